@@ -127,10 +127,7 @@ MostInertia most_inertia(const Specification& spec, const train::ToothSet& z, in
   const auto sun = cylinder(kS, reach(kS, addendum));
   const auto planet1 = cylinder(kP1, reach(kP1, addendum));
   const auto planet2 = cylinder(kP2, reach(kP2, addendum));
-  // A ring's root may be a cutter's: half a module more.
-  constexpr double kCutter = 0.5;
-  const auto ring2 =
-      cylinder(kR2, reach(kR2, spec.rack.dedendum + kCutter) + spec.bodies.ring_rim_m);
+  const auto ring2 = cylinder(kR2, reach(kR2, spec.rack.dedendum) + spec.bodies.ring_rim_m);
   const double orbit = reach(kS, addendum) + reach(kP1, addendum);
   return {.total_kgm2 = inertia::lossless_inertia<double>(
               {.teeth = z,

@@ -536,7 +536,8 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
     lower_to_carried_torque(own.problem, own.v);
     if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
     own.kkt_residual = kkt_residual(own.problem, own.v);
-    if (!best || own.kkt_residual < best->kkt_residual) best = std::move(own);
+    // NaN where gradients are not defined, which any number is better than.
+    if (!best || !(best->kkt_residual <= own.kkt_residual)) best = std::move(own);
   }
   return best;
 }
@@ -581,10 +582,6 @@ HeldBack held_back(const Specification& spec, const RefinedSet& set, const desig
 std::vector<RefinedSet> best_per_planets(const Specification& spec,
                                          const std::vector<RefinedSet>& refined) {
   std::vector<RefinedSet> best;
-  const Objective first = first_objective(spec);
-  const auto cost = [&](const RefinedSet& set) {
-    return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec, set)), set.index);
-  };
   for (const RefinedSet& set : refined) {
     if (!has_design(set.status)) continue;
     const auto same = std::ranges::find_if(best, [&](const RefinedSet& other) {
@@ -592,7 +589,7 @@ std::vector<RefinedSet> best_per_planets(const Specification& spec,
     });
     if (same == best.end()) {
       best.push_back(set);
-    } else if (cost(set) < cost(*same)) {
+    } else if (merit_order(spec, set) < merit_order(spec, *same)) {
       *same = set;
     }
   }

@@ -215,8 +215,8 @@ double best_value(Objective objective, const Specification& spec, const train::T
   // Sizes grow with module and shift; kFeasibilityTolerance of either is allowed for.
   constexpr double kSlack = 1.0 - 4.0 * design::kFeasibilityTolerance;
   const auto smallest = [&] {
-    auto train = unrefined_train(spec, {.teeth = teeth, .planets = planets},
-                                 {.profile_shift = spec.profile_shift.min});
+    auto train =
+        unrefined_train(spec, {.teeth = teeth, .planets = planets}, spec.profile_shift.min);
     for (std::size_t i = 0; i < train::kGearCount; ++i) {
       train.profile_shift[i] = shift_limits(spec, static_cast<int>(i)).min;
       if (spec.free.tip_shortening) train.tip_shortening[i] = spec.free.tip_shortening->max;

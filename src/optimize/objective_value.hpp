@@ -52,8 +52,8 @@ T planet_mass_kg(const Specification& spec, const train::TrainGeometry<T>& train
 ///   torsional stiffness        K_out of the input's rating
 ///
 /// @param branch  of an objective with branches: 0 the larger value, 1 or 2 one of the two
-/// @param forward_friction  used for the forward efficiency, the other one for the backward
-/// @throws std::invalid_argument for mass and inertia unless knows_masses(spec)
+/// @throws std::invalid_argument for mass and inertia unless knows_masses(spec), and for the
+///   torsional stiffness without a rating that has it
 template <class T>
 T objective_value(Objective objective, const ObjectiveInput<T>& input, int branch = 0);
 /// With the stated face widths; not for objectives of the load.

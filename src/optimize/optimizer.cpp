@@ -257,11 +257,7 @@ class Run {
       result_.best = set;
       return;
     }
-    const Objective first = first_objective(spec_);
-    const auto cost = [&](const RefinedSet& s) {
-      return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec_, s)), s.index);
-    };
-    if (cost(set) < cost(*result_.best)) result_.best = set;
+    if (merit_order(spec_, set) < merit_order(spec_, *result_.best)) result_.best = set;
   }
 
   /// Whether no motor of the specification drives a set within its limits.

@@ -107,7 +107,7 @@ double merit_bound(const Specification& spec, const SetBound& bound, const Candi
 /// the set that comes first.
 /// @param spec  must outlive the result
 /// @throws std::invalid_argument for best_only where a calibrated model judges the sets: the bounds
-///   are those of the model without it; and with a free pressure angle, where there are none
+///   are those of the model without it; and unless has_bounds(spec)
 OptimizeResult optimize(const Specification& spec, Progress& progress,
                         const OptimizeOptions& options = {});
 

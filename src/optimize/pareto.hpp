@@ -8,7 +8,7 @@
 
 namespace gear3k::optimize {
 
-/// Indices of the optimal sets that no other one beats or equals in all of eta_b, eta_f, lost
+/// Indices of the sets with a design that no other one beats or equals in all of eta_b, eta_f, lost
 /// motion and ring root diameter at once, in the order of the sets.  Values are compared in steps
 /// of ObjectiveRecord::resolution, so that the front is not decided by what rounding leaves of a
 /// limit that many sets reach; of equal sets the first stays.  With `by_model` the efficiencies are

@@ -46,7 +46,8 @@ class Refiner {
   ///
   /// Where shifts are on a grid, the optimum of every choice with free shifts bounds what its grid
   /// points can have.  Of cutters to choose from, the optimum without what they have a say in
-  /// bounds all of them.
+  /// bounds all of them.  These optima are local: what they leave out is not proven to be no
+  /// better.
   /// @param bounds  of SetBounds::by_modules()
   /// @returns empty when `stop` became true before the set was done
   [[nodiscard]] std::optional<RefinedSet> refine(const Candidate& candidate,

@@ -30,8 +30,7 @@ void state_addenda(train::TrainParameters<double>& train) {
 }  // namespace
 
 train::TrainParameters<double> train_of(const Specification& spec, const RefinedSet& set) {
-  train::TrainParameters<double> train =
-      unrefined_train(spec, set.candidate, {.profile_shift = 0.0});
+  train::TrainParameters<double> train = unrefined_train(spec, set.candidate);
   train.profile_shift = set.train.profile_shift;
   train.module_m = set.train.module_m;
   train.center_distance_m = set.train.center_distance_m;
@@ -141,6 +140,11 @@ double merit_of(const Specification& spec, const RefinedSet& set) {
   if (!judged_by_model(spec)) return sense_of(first) * objective_of(spec, set, first);
   const auto& eta = first == Objective::kForwardEfficiency ? set.eta_f_model : set.eta_b_model;
   return eta.value_or(-std::numeric_limits<double>::infinity());
+}
+
+std::pair<double, std::uint32_t> merit_order(const Specification& spec, const RefinedSet& set) {
+  const Objective first = first_objective(spec);
+  return {cost_in_steps(first, sense_of(first) * merit_of(spec, set)), set.index};
 }
 
 }  // namespace gear3k::optimize

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "optimize/specification.hpp"
@@ -19,8 +20,9 @@ inline constexpr double kStationary = 1e-4;
 /// optimal: a feasible point with KKT residual ≤ kStationary.  no_feasible_found: the solver found
 /// none, which proves nothing.  infeasible: proven by SetBounds to have none.  failed: the model
 /// was defined at no end of the solver.  bounded: not refined, as its bound is below the best that
-/// was found.  not_stationary: a feasible point, the best that was found, at which the solver left
-/// a greater KKT residual: a design, but no optimum.
+/// was found; or, on a grid, its local optimum with free shifts, or what the grid has, is no better
+/// than that, which proves nothing.  not_stationary: a feasible point, the best that was found, at
+/// which the solver left a greater KKT residual: a design, but no optimum.
 enum class Status : std::uint8_t {
   kOptimal,
   kNoFeasibleFound,
@@ -98,6 +100,9 @@ struct RefinedSet {
 inline std::string_view reason_of(const RefinedSet& set) {
   return set.blocked_by.empty() ? std::string_view() : set.blocked_by.front().name;
 }
+
+/// What sets are ordered by, less first: merit_of() in steps of its resolution, then the index.
+std::pair<double, std::uint32_t> merit_order(const Specification& spec, const RefinedSet& set);
 
 /// The train of a refined set.
 train::TrainParameters<double> train_of(const Specification& spec, const RefinedSet& set);

@@ -25,12 +25,6 @@ constexpr double kGreatestAngle_rad = 65.0 * kDegree_rad;
 /// Keeps ring tips off their base circles, where the tip's curvature has no derivative [modules].
 constexpr double kBaseCircleClearance = 1e-6;
 
-/// z1 + z2, or zR − zP.
-std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
-  return {static_cast<double>(z.S + z.P1), static_cast<double>(z.R1 - z.P1),
-          static_cast<double>(z.R2 - z.P2)};
-}
-
 bool has_one_free_module(const RefinementProblem& p) {
   return has_same_module(*p.spec) && !p.fixed_module_m[0];
 }
@@ -140,9 +134,13 @@ void append_module_bounds(RefinementProblem& p, int stage) {
 
 }  // namespace
 
+std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
+  return {static_cast<double>(z.S + z.P1), static_cast<double>(z.R1 - z.P1),
+          static_cast<double>(z.R2 - z.P2)};
+}
+
 train::TrainParameters<double> unrefined_train(const Specification& spec,
-                                               const Candidate& candidate,
-                                               const Unrefined& unrefined) {
+                                               const Candidate& candidate, double profile_shift) {
   train::TrainParameters<double> t{
       .teeth = candidate.teeth,
       .planets = candidate.planets,
@@ -155,7 +153,7 @@ train::TrainParameters<double> unrefined_train(const Specification& spec,
       .khk_tip = spec.khk_tip,
       .rack = {},
       .cutter = spec.cutter};
-  t.profile_shift.fill(unrefined.profile_shift);
+  t.profile_shift.fill(profile_shift);
   t.rack.fill(spec.rack);
   return t;
 }
@@ -235,8 +233,7 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
                                           const ProblemBranch& branch) {
   RefinementProblem p = with_rows(spec, candidate.planets, fixed_module_m, branch);
   set_box(p, candidate);
-  const auto unshifted =
-      train::make_train_gears(unrefined_train(spec, candidate, {.profile_shift = 0.0}));
+  const auto unshifted = train::make_train_gears(unrefined_train(spec, candidate));
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const NumberRange& limits = shift_limits(spec, static_cast<int>(i));
     p.lower[i] = limits.min;

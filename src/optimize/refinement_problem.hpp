@@ -1,6 +1,6 @@
 #pragma once
 // The nonlinear programme behind one tooth set: shifts, modules and centre distance for the best
-// efficiency under the checks.  Independent of any solver.
+// value of an objective under the checks.  Independent of any solver.
 
 #include <array>
 #include <cstdint>
@@ -81,14 +81,14 @@ struct RefinementProblem {
   std::vector<ConstraintRow> rows;
 };
 
-/// What a tooth set is before refinement: one shift for all gears, the least modules.
-struct Unrefined {
-  double profile_shift = 0.0;
-};
-/// The specification's train with these teeth, without a centre distance.
+/// The specification's train with these teeth before refinement: one shift for all gears, the least
+/// modules, no centre distance.
 train::TrainParameters<double> unrefined_train(const Specification& spec,
                                                const Candidate& candidate,
-                                               const Unrefined& unrefined);
+                                               double profile_shift = 0.0);
+
+/// z1 + z2, or zR − zP, by mesh.
+std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z);
 
 /// @param fixed_module_m  a module for each stage that is not refined continuously
 RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,

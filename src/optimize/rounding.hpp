@@ -38,8 +38,8 @@ struct RoundingOptions {
 
 /// Branch and bound over the lattice: in a box of the lattice the problem with all values free
 /// bounds what its points can have; the box is cut in two at the value that is farthest between two
-/// points (the centre distance first) until a point is left or the bound is no better than the best
-/// point.
+/// points (the pressure angle first, then the centre distance) until a point is left or the bound
+/// is no better than the best point.
 ///
 /// Modules of a range take every combination within module_steps of the optimum's, series and given
 /// modules stay; allowances are rounded with each.  All else has its whole range.  Relaxations are

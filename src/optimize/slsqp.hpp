@@ -30,7 +30,7 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
 
 /// The least t with g_k + t ≥ 0 for the rows of one name and g_k ≥ 0 for the others, from a start;
 /// with an empty name g_k + t ≥ 0 for all rows: the point that violates the constraints least
-/// (locally), or a feasible one.  `objective` of the outcome is −η there.
+/// (locally), or a feasible one.  `objective` of the outcome is that of the problem there.
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
                              const SlsqpOptions& options, std::string_view elastic_name = {});
 

@@ -11,7 +11,7 @@ inline bool is_feasible(double violation) { return violation <= design::kFeasibi
 /// Where a solver stopped, judged by the problem itself.
 struct SolveOutcome {
   Point v{};
-  double objective = 0.0;  ///< −η
+  double objective = 0.0;  ///< to be minimised, in units of RefinementProblem::objective_scale
   double violation = 0.0;  ///< largest, in scaled units; infinite where the model is not defined,
                            ///< or lets a mesh lose more than its power
   [[nodiscard]] bool feasible() const { return is_feasible(violation); }

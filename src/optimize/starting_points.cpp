@@ -74,10 +74,7 @@ void start_scale(const RefinementProblem& p, Point& v) {
 /// @param reach  share of the way from the least shifts (by amount) to those of the fractions
 Point start_from(const RefinementProblem& p, const ShiftFractions& fractions, double reach) {
   const Specification& spec = *p.spec;
-  const train::ToothSet& z = p.candidate.teeth;
-  const double sum1 = z.S + z.P1;
-  const double sum2 = z.R1 - z.P1;
-  const double sum3 = z.R2 - z.P2;
+  const auto [sum1, sum2, sum3] = tooth_sums(p.candidate.teeth);
   Point v{};
   const auto within = [&](int k, double x) {
     const auto i = static_cast<std::size_t>(k);
@@ -162,8 +159,8 @@ Point start_at(const RefinementProblem& p, const SetBound& bound) {
   const Specification& spec = *p.spec;
   const train::ToothSet& z = p.candidate.teeth;
   const double half_cos = 0.5 * std::cos(spec.pressure_angle_rad);
-  const std::array<double, train::kMeshCount> base_sum{
-      half_cos * (z.S + z.P1), half_cos * (z.R1 - z.P1), half_cos * (z.R2 - z.P2)};
+  std::array<double, train::kMeshCount> base_sum = tooth_sums(z);
+  for (double& sum : base_sum) sum *= half_cos;
   Point v{};
   const auto set = [&](std::size_t k, double x) { v[k] = std::clamp(x, p.lower[k], p.upper[k]); };
   set(kS, bound.stage1.sun_shift);

@@ -31,8 +31,7 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
   const double d = 0.5 * m1 * (z.R1 - z.P1);
   const double m2 = 2.0 * d / (z.R2 - z.P2);
   ZeroShiftSet set{.candidate = candidate, .ratio = train::ratio(z), .module_ratio = m2 / m1};
-  train::TrainParameters<double> parameters =
-      unrefined_train(spec, candidate, {.profile_shift = 0.0});
+  train::TrainParameters<double> parameters = unrefined_train(spec, candidate);
   parameters.center_distance_m = d;
   parameters.module_m = {m1, m2};
   const auto train = train::make_train_geometry(parameters);

@@ -48,7 +48,7 @@ class ZeroShiftRanking {
   void add(std::span<const Candidate> candidates);
   /// Sets that were added.
   [[nodiscard]] std::uint64_t added() const { return added_; }
-  /// Sets that are held; between two calls of add() at most twice `most`, or all.
+  /// Sets that are held; between two calls of add() at most twice `most` and one.
   [[nodiscard]] std::size_t held() const { return places_.size(); }
   /// Calls visit with each of the first `most` sets by rank.
   void for_each(const std::function<void(const ZeroShiftSet&)>& visit);
