@@ -364,7 +364,7 @@ TEST(Optimize, LimitsThatGiveWayAreThoseOfTheSpecificationWithAModel) {
   ASSERT_FALSE(run.best);
   ASSERT_TRUE(run.relaxed);
   const auto freed = std::ranges::find_if(run.relaxed->freed, [](const optimize::Freed& one) {
-    return one.limits.size() == 1 && one.limits.front().of.check == kMost;
+    return one.limits.size() == 1 && *one.limits.front().of.check == kMost;
   });
   ASSERT_NE(freed, run.relaxed->freed.end());
   const optimize::RelaxedLimit& told = freed->limits.front();
