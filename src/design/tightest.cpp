@@ -50,6 +50,21 @@ std::optional<double> solve_tip(const MarginAt& margin, std::size_t gear, double
   return good;
 }
 
+/// A change of the tip in whole micrometres [m], as it is told, with which the check is met; empty
+/// where the ones above the change in modules do not meet it.
+std::optional<double> whole_micrometres(const MarginAt& margin, std::size_t gear, double modules,
+                                        double module_m) {
+  constexpr double kStep_m = 1e-6;
+  constexpr int kTried = 4;
+  const double least = std::ceil(modules * module_m / kStep_m);
+  for (int more = 0; more < kTried; ++more) {
+    const double change_m = (least + more) * kStep_m;
+    const auto value = margin(gear, change_m / module_m);
+    if (value && *value >= 0.0) return change_m;
+  }
+  return std::nullopt;
+}
+
 /// The gear of `gears` whose tip changes least.
 std::optional<std::pair<std::size_t, double>> least_change(const MarginAt& margin,
                                                            const std::vector<std::size_t>& gears,
@@ -97,10 +112,11 @@ constexpr double kNear = 0.05;
 
 /// @param gears_of   gears of the mesh (or the gear) of a check
 /// @param margin_at  of a check
-/// @param describe   gear and change in modules → the remedy
-template <class GearsOf, class MarginOf, class Describe>
+/// @param module_of  of a gear [m]
+/// @param name_of    of a gear
+template <class GearsOf, class MarginOf, class ModuleOf, class NameOf>
 void add_tips(std::vector<TightestCheck>& tightest, GearsOf gears_of, MarginOf margin_at,
-              Describe describe) {
+              ModuleOf module_of, NameOf name_of) {
   std::size_t solved = 0;
   for (TightestCheck& t : tightest) {
     if (solved == kSolved) return;
@@ -109,8 +125,11 @@ void add_tips(std::vector<TightestCheck>& tightest, GearsOf gears_of, MarginOf m
     const MarginAt margin = [&](std::size_t gear, double shorter) {
       return margin_at(*t.check, gear, shorter);
     };
-    if (const auto change = least_change(margin, gears_of(*t.check), t.check->margin)) {
-      t.tip = describe(change->first, change->second);
+    const auto change = least_change(margin, gears_of(*t.check), t.check->margin);
+    if (!change) continue;
+    const auto [gear, modules] = *change;
+    if (const auto shorter_m = whole_micrometres(margin, gear, modules, module_of(gear))) {
+      t.tip = TipRemedy{.gear = std::string(name_of(gear)), .shorter_m = *shorter_m};
     }
   }
 }
@@ -149,11 +168,11 @@ std::vector<TightestCheck> tightest_checks(const Design& design, const Evaluatio
     const auto* e = std::get_if<Evaluation>(&result);
     return e == nullptr ? std::nullopt : margin_of(e->checks, c);
   };
-  add_tips(tightest, gears_of, margin_at, [&](std::size_t gear, double modules) {
-    const auto stage = static_cast<std::size_t>(train::stage_of(static_cast<int>(gear)));
-    return TipRemedy{.gear = std::string(train::kGearNames[gear]),
-                     .shorter_m = modules * evaluation.module_m[stage]};
-  });
+  const auto module_of = [&](std::size_t gear) {
+    return evaluation.module_m[static_cast<std::size_t>(train::stage_of(static_cast<int>(gear)))];
+  };
+  add_tips(tightest, gears_of, margin_at, module_of,
+           [](std::size_t gear) { return train::kGearNames[gear]; });
   return tightest;
 }
 
@@ -179,10 +198,11 @@ std::vector<TightestCheck> tightest_checks(const PairDesign& design,
     const auto* e = std::get_if<PairEvaluation>(&result);
     return e == nullptr ? std::nullopt : margin_of(e->checks, c);
   };
-  add_tips(tightest, gears_of, margin_at, [&](std::size_t gear, double modules) {
-    return TipRemedy{.gear = evaluation.gears[gear].name,
-                     .shorter_m = modules * (gear == 0 ? design.gear1 : design.gear2).module_m};
-  });
+  const auto module_of = [&](std::size_t gear) {
+    return (gear == 0 ? design.gear1 : design.gear2).module_m;
+  };
+  add_tips(tightest, gears_of, margin_at, module_of,
+           [&](std::size_t gear) { return evaluation.gears[gear].name; });
   return tightest;
 }
 

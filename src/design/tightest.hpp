@@ -10,7 +10,8 @@
 
 namespace gear3k::design {
 
-/// The change of a gear's tip radius with which a check of interference just meets its limit.
+/// The least change of a gear's tip radius, in whole micrometres, with which a check of
+/// interference meets its limit.
 struct TipRemedy {
   std::string gear;
   double shorter_m = 0.0;  ///< > 0: the tip has to be so much shorter; < 0: it may be longer

@@ -37,7 +37,9 @@ std::string value_text(const CheckResult& c, double value) {
 std::string tip_text(const TightestCheck& t) {
   if (!t.tip) return "";
   constexpr double kNothing_m = 0.5e-6;
-  if (std::abs(t.tip->shorter_m) < kNothing_m) return t.tip->gear + " tip at its limit";
+  if (std::abs(t.tip->shorter_m) < kNothing_m) {
+    return t.check->ok ? t.tip->gear + " tip at its limit" : "";
+  }
   return t.tip->shorter_m > 0.0
              ? fmt::format("shorten the tip of {} by {:.3f} mm", t.tip->gear, mm(t.tip->shorter_m))
              : fmt::format("tip of {} may be {:.3f} mm longer", t.tip->gear, mm(-t.tip->shorter_m));

@@ -122,11 +122,48 @@ TEST(TipRemedy, MeetsTheLimitWhenItIsMade) {
       });
       return same->margin;
     };
-    const double step_m = 2e-4 * gear.module_m;
+    const double step_m = 1e-6 + 2e-4 * gear.module_m;
     EXPECT_GE(margin_with(t.tip->shorter_m), 0.0) << t.check->record->name;
     EXPECT_LT(margin_with(t.tip->shorter_m - step_m), 0.0) << t.check->record->name;
   }
   EXPECT_GE(solved, 2);
+}
+
+TEST(TipRemedy, CuresAFailedCheckByTheAmountThatIsPrinted) {
+  design::Design design = io::parse_design(
+      "[stage1]\nmodule_mm = 0.6\n[stage2]\nmodule_mm = 0.6\n[gears]\n"
+      "S = { teeth = 15, profile_shift = 0.3, machining_allowance = 0.07 }\n"
+      "P1 = { teeth = 51, profile_shift = 0.2, machining_allowance = 0.08 }\n"
+      "R1 = { teeth = 117, profile_shift = 0.9, machining_allowance = 0.1 }\n"
+      "P2 = { teeth = 41, profile_shift = 0.1, machining_allowance = 0.05 }\n"
+      "R2 = { teeth = 107, profile_shift = 0.8, machining_allowance = 0.05 }\n",
+      "gear.toml");
+  design.train.center_distance_m = 20.25e-3;
+  design.center_distance_given = true;
+  int cured = 0;
+  for (int limit = 20; limit < 80; limit += 3) {
+    design.limits[design::CheckId::kFormCircle] = 1e-3 * limit;
+    const auto e = std::get<design::Evaluation>(design::evaluate(design));
+    for (const design::TightestCheck& t : design::tightest_checks(design, e, 3)) {
+      if (t.check->ok || t.check->record->id != design::CheckId::kFormCircle || !t.tip) continue;
+      const std::string text = report::first_screen(e, std::vector{t}, nullptr, 300);
+      const std::string words = "shorten the tip of " + t.tip->gear + " by ";
+      const auto place = text.find(words);
+      ASSERT_NE(place, std::string::npos) << text;
+      const double told_mm = std::stod(text.substr(place + words.size()));
+      const auto gear = static_cast<std::size_t>(std::ranges::find(train::kGearNames, t.tip->gear) -
+                                                 train::kGearNames.begin());
+      design::Design changed = design;
+      changed.train.tip_shortening[gear] += told_mm / 0.6;
+      const auto again = std::get<design::Evaluation>(design::evaluate(changed));
+      const auto same = std::ranges::find_if(again.checks, [&](const design::CheckResult& c) {
+        return c.record == t.check->record && c.mesh == t.check->mesh && c.gear == t.check->gear;
+      });
+      EXPECT_TRUE(same->ok) << text << same->margin;
+      ++cured;
+    }
+  }
+  EXPECT_GT(cured, 20);
 }
 
 TEST(Broken, KeepsEveryWordAndTheColumns) {
