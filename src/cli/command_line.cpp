@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <sstream>
 
 #include "cli/exit_code.hpp"
 #include "io/text/diagnostics.hpp"
@@ -15,20 +16,32 @@ namespace gear3k::cli {
 namespace {
 
 constexpr std::size_t kHelpColumns = 100;
+constexpr std::size_t kCommandColumn = 14;  ///< where the text of a command begins
+
+std::string in_lines(const std::string& text, std::size_t columns) {
+  std::string lines;
+  std::size_t begin = 0;
+  while (text.size() - begin > columns) {
+    const std::size_t end = text.rfind(' ', begin + columns);
+    if (end == std::string::npos || end <= begin) break;
+    lines += text.substr(begin, end - begin) + '\n';
+    begin = end + 1;
+  }
+  return lines + text.substr(begin);
+}
 
 class NarrowFormatter : public CLI::Formatter {
  public:
   std::string make_option_desc(const CLI::Option* option) const override {
-    const std::string& text = option->get_description();
-    std::string lines;
-    std::size_t begin = 0;
-    while (text.size() - begin > kHelpColumns - column_width_) {
-      std::size_t end = text.rfind(' ', begin + kHelpColumns - column_width_);
-      if (end == std::string::npos || end <= begin) break;
-      lines += text.substr(begin, end - begin) + '\n';
-      begin = end + 1;
-    }
-    return lines + text.substr(begin);
+    return in_lines(option->get_description(), kHelpColumns - column_width_);
+  }
+
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::stringstream out;
+    CLI::detail::format_help(out, command->get_display_name(true),
+                             in_lines(command->get_description(), kHelpColumns - kCommandColumn),
+                             kCommandColumn);
+    return out.str();
   }
 
   /// DESIGN... for any argument that may be several, where CLI11 has its least number: DESIGN(2x).

@@ -498,9 +498,10 @@ void add_help_commands(CLI::App& app, Commands& c) {
   add_out_file(*keys_command, c.keys);
   keys_command->callback([&c] { c.run = [&c] { return cli::run_keys(c.keys); }; });
 
-  CLI::App* new_command = app.add_subcommand("new",
-                                             "a first file to change: a task for optimize, one "
-                                             "design, one pair, an actuator or a scenario");
+  CLI::App* new_command =
+      app.add_subcommand("new",
+                         "a first file to change: a task, one design, one pair, an "
+                         "actuator or a scenario");
   std::vector<std::string> kinds;
   for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
   new_command->add_option("KIND", c.first.kind, "what to write")

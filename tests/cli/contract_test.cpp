@@ -650,6 +650,8 @@ TEST(Help, OfTheProgramNamesEveryCommandAndTheExitCodesAndThatOfACommandFitsAScr
                            "1 usage", "2 invalid input", "3 no feasible design"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
+  EXPECT_LE(lines_of(result.out).size(), 30U) << result.out;
+  for (const std::string& line : lines_of(result.out)) EXPECT_LE(line.size(), 100U) << line;
   for (const char* command :
        {"analyze", "mesh", "compare", "search", "optimize", "map", "tolerances", "diagnose",
         "export", "actuator", "reproduce", "simulate", "sweep", "atlas", "new", "keys", "manual",
