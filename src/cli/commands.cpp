@@ -119,12 +119,12 @@ int use_threads(const CommonOptions& options) {
 
 namespace {
 
-/// Of which preset the limits are; nothing without one.
-std::string limits_paragraph(const design::Limits& limits, const ShowOptions& show,
-                             bool of_pair = false) {
-  if (!limits.preset) return "";
-  return "\n" + report::broken(report::limits_line(limits, of_pair), table_choice(show).columns,
-                               kBrokenIndent);
+/// Of which preset the limits of a design or a pair are; nothing without one.
+template <class Subject>
+std::string limits_paragraph(const Subject& design, const ShowOptions& show) {
+  if (!design.limits.preset) return "";
+  return "\n" + report::broken(report::limits_line(design.limits, report::limits_subject(design)),
+                               table_choice(show).columns, kBrokenIndent);
 }
 
 /// @param figures  what was drawn of it
@@ -143,13 +143,12 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
     case Format::kTable:
       break;
   }
-  const design::Limits& limits = analysis.design.limits;
   return report::analysis_text(
              analysis.evaluation,
              design::tightest_checks(analysis.design, analysis.evaluation, kTightestShown),
              table_choice(show), analysis.sensitivities, use, built, curve,
              design::stated_outer_diameter_m(analysis.design)) +
-         limits_paragraph(limits, show);
+         limits_paragraph(analysis.design, show);
 }
 
 std::string result_text(const design::PairDesign& pair, const design::PairEvaluation& evaluation,
@@ -165,7 +164,7 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
   return report::analysis_text(evaluation,
                                design::tightest_checks(pair, evaluation, kTightestShown),
                                table_choice(show)) +
-         limits_paragraph(pair.limits, show, true);
+         limits_paragraph(pair, show);
 }
 
 /// Whether a file is to lie in a folder, which need not be there.

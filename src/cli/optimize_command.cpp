@@ -297,7 +297,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
-          report::broken(report::limits_line(task.stated_limits),
+          report::broken(report::limits_line(task.stated_limits, report::limits_subject(task.spec)),
                          table_choice(options.show).columns, kBrokenIndent) +
           fmt::format(
               "\nFiles in {}: best.toml (this design), {}{}refined.csv ({} tooth sets), "

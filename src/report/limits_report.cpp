@@ -24,19 +24,81 @@ std::string limit_with_unit(const design::CheckRecord& r, const std::optional<do
                      unit.empty() ? "" : " ", unit);
 }
 
-/// Checks with a threshold, of no preset, whose limit is 0: met without any reserve.
+bool has_preset(const design::Limits& limits) {
+  return limits.preset && *limits.preset != design::Preset::kBare;
+}
+
+/// Whether the limit is told as that of a preset, as stated in its place, or as bare.
+bool is_told(const design::Limits& limits, const design::CheckRecord& r) {
+  const bool of_preset = design::preset_limit(design::Preset::kMachined, r.id).has_value();
+  const bool bare = std::ranges::find(limits.bare, r.id) != limits.bare.end();
+  return of_preset && (has_preset(limits) || bare);
+}
+
+/// Other checks with a threshold whose limit is 0: met without any reserve.
 std::vector<std::string_view> limits_at_zero(const design::Limits& limits) {
   std::vector<std::string_view> names;
   for (const design::CheckRecord& r : design::check_records()) {
-    const bool of_preset = design::preset_limit(design::Preset::kMachined, r.id).has_value();
-    if (r.threshold && !r.rating && !of_preset && limits[r.id] == 0.0) names.push_back(r.name);
+    if (r.threshold && !r.rating && !is_told(limits, r) && limits[r.id] == 0.0) {
+      names.push_back(r.name);
+    }
   }
   return names;
 }
 
+/// Whether a check that nobody switches off would be evaluated.
+bool applies(const design::CheckRecord& r, const LimitsSubject& subject) {
+  switch (r.scope) {
+    case design::CheckScope::kThermalMesh:
+    case design::CheckScope::kThermalMember:
+      return subject.thermal;
+    case design::CheckScope::kCutRing:
+      return subject.ring_cutter;
+    default:
+      return r.default_limit && (subject.rated || !r.rating);
+  }
+}
+
+/// Other checks that are off and would be evaluated, were they not.
+std::vector<std::string_view> limits_off(const design::Limits& limits,
+                                         const LimitsSubject& subject) {
+  std::vector<std::string_view> names;
+  for (const design::CheckRecord& r : design::check_records()) {
+    const bool own_key = r.id == design::CheckId::kIdenticalPlanets;
+    if (!limits[r.id] && !own_key && !is_told(limits, r) && applies(r, subject)) {
+      names.push_back(r.name);
+    }
+  }
+  return names;
+}
+
+bool has_cutter(const std::array<geometry::PinionCutter, train::kGearCount>& cutters) {
+  return std::ranges::any_of(cutters, [](const auto& cutter) { return cutter.teeth > 0; });
+}
+
 }  // namespace
 
-std::string limits_line(const design::Limits& limits, bool of_pair) {
+LimitsSubject limits_subject(const design::Design& design) {
+  return {.thermal = design.thermal.has_value(),
+          .rated = design.rating.has_value(),
+          .ring_cutter = has_cutter(design.train.cutter)};
+}
+
+LimitsSubject limits_subject(const design::PairDesign& design) {
+  return {.pair = true,
+          .rated = design.rating.has_value(),
+          .ring_cutter = design.gear2.cutter.teeth > 0};
+}
+
+LimitsSubject limits_subject(const optimize::Specification& spec) {
+  return {.thermal = spec.thermal.has_value(),
+          .rated = spec.rating.has_value(),
+          .ring_cutter = has_cutter(spec.cutter) ||
+                         std::ranges::any_of(spec.cutter_teeth,
+                                             [](const auto& listed) { return !listed.empty(); })};
+}
+
+std::string limits_line(const design::Limits& limits, const LimitsSubject& subject) {
   std::vector<std::string> preset, stated, bare;
   for (const design::PresetLimit& of_preset : design::preset_limits()) {
     const design::CheckRecord& r = design::check_record(of_preset.check);
@@ -54,24 +116,24 @@ std::string limits_line(const design::Limits& limits, bool of_pair) {
     }
   }
   const auto zero = limits_at_zero(limits);
-  std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
-  if (!of_pair && !limits[design::CheckId::kOutputBacklashMax]) {
-    at_zero += "; lost motion without a limit (backlash.max_output_arcmin)";
+  const auto off = limits_off(limits, subject);
+  std::string rest = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
+  if (!off.empty()) rest += fmt::format("; off: {}", fmt::join(off, ", "));
+  if (!subject.pair && !limits[design::CheckId::kOutputBacklashMax]) {
+    rest += "; lost motion without a limit (backlash.max_output_arcmin)";
   }
-  if (!limits.preset) {
+  if (!has_preset(limits)) {
     const std::string named =
         bare.empty() ? "none of a workshop's is left bare"
                      : fmt::format("bare are {} (preset = \"machined\" or \"printed\" sets them)",
                                    fmt::join(bare, ", "));
-    return fmt::format("Limits: no preset; {}{}\n", named, at_zero);
+    return fmt::format("Limits: {}; {}{}\n", limits.preset ? "preset bare" : "no preset", named,
+                       rest);
   }
-  const auto name = design::kPresetNames[static_cast<std::size_t>(*limits.preset)];
-  if (*limits.preset == design::Preset::kBare) {
-    return fmt::format("Limits: preset bare, the checks' defaults where nothing is stated{}\n",
-                       at_zero);
-  }
-  return fmt::format("Limits: preset {}: {}{}{}{}\n", name, fmt::join(preset, ", "),
-                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), at_zero);
+  return fmt::format("Limits: preset {}: {}{}{}{}\n",
+                     design::kPresetNames[static_cast<std::size_t>(*limits.preset)],
+                     fmt::join(preset, ", "),
+                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), rest);
 }
 
 bool is_of_preset(const design::Limits& limits, design::CheckId check) {
@@ -94,7 +156,7 @@ std::string preset_note(const design::Limits& limits, std::span<const std::strin
                      fmt::join(named, ", "));
 }
 
-io::Json limits_json(const design::Limits& limits) {
+io::Json limits_json(const design::Limits& limits, const LimitsSubject& subject) {
   io::Json of_preset = io::Json::array();
   for (const design::PresetLimit& limit : design::preset_limits()) {
     if (is_of_preset(limits, limit.check)) {
@@ -120,6 +182,7 @@ io::Json limits_json(const design::Limits& limits) {
           {"of_preset", std::move(of_preset)},
           {"bare", std::move(bare)},
           {"at_zero", limits_at_zero(limits)},
+          {"off", limits_off(limits, subject)},
           {"normal_backlash_of_mesh", std::move(of_mesh)},
           {"in_force", std::move(in_force)}};
 }

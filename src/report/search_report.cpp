@@ -479,7 +479,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"task_fingerprint", facts.task_fingerprint},
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
-  json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
+  json["limits"] =
+      limits_json(stated_limits != nullptr ? *stated_limits : spec.limits, limits_subject(spec));
   json["relaxed_limits"] =
       relaxed != nullptr ? relaxed_limits_json(spec, *relaxed) : io::Json(nullptr);
   json["relaxed_limits_missing"] =

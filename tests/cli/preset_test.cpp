@@ -73,6 +73,45 @@ TEST(Preset, LeavesNoMeshOfALeastSpecWithoutBacklashAndNoLimitUnsaid) {
   EXPECT_NE(bare.run.out.find("(backlash.max_output_arcmin)"), std::string::npos) << bare.run.out;
 }
 
+TEST(Preset, BareNamesWhatIsLeftBareAsNoPresetDoes) {
+  const Optimized bare("preset = \"bare\"\n" + kLeast);
+  const Optimized none(kLeast);
+  EXPECT_EQ(bare.summary.at("limits").at("bare"), none.summary.at("limits").at("bare"));
+  EXPECT_GT(bare.summary.at("limits").at("bare").size(), 5U);
+  EXPECT_NE(bare.run.out.find("\nLimits: preset bare; bare are "), std::string::npos)
+      << bare.run.out;
+  // Stated as 0 it is bare no more, and without reserve.
+  const Optimized stated("preset = \"bare\"\n" + kLeast + "[limits]\nform_circle = 0.0\n");
+  EXPECT_EQ(stated.summary.at("limits").at("bare").dump().find("form_circle"), std::string::npos);
+  EXPECT_NE(stated.summary.at("limits").at("at_zero").dump().find("form_circle"),
+            std::string::npos);
+}
+
+TEST(Preset, ItsLineNamesTheChecksThatApplyAndAreOff) {
+  const std::string thermal =
+      "[thermal]\ntemperature_c = [10.0, 30.0]\nS.expansion_1_k = 1e-5\nP1.expansion_1_k = 1e-5\n"
+      "R1.expansion_1_k = 1e-5\nP2.expansion_1_k = 1e-5\nR2.expansion_1_k = 1e-5\n"
+      "carrier.expansion_1_k = 1e-5\n";
+  const std::string off = "[limits]\nthermal_backlash = false\nundercut = false\n";
+  const Optimized made("preset = \"machined\"\n" + kLeast + off);
+  EXPECT_EQ(made.summary.at("limits").at("off"), json::array({"undercut"}));
+  const std::string best = made.place.read("out/best.toml");
+  EXPECT_EQ(best.find("thermal_backlash"), std::string::npos) << "it does not apply";
+  const auto told_of = [&](const std::string& design) {
+    made.place.write("warm.toml", design);
+    std::string out = made.place.run({"analyze", "warm.toml"}).out;
+    for (std::size_t at = 0; (at = out.find("\n    ", at)) != std::string::npos;) {
+      out.replace(at, 5, " ");
+    }
+    return out;
+  };
+  EXPECT_NE(told_of(best + thermal).find("thermal_root_clearance; off: undercut;"),
+            std::string::npos);
+  EXPECT_NE(told_of(best + "thermal_backlash = false\n" + thermal)
+                .find("; off: undercut, thermal_backlash;"),
+            std::string::npos);
+}
+
 TEST(Preset, ItsLimitsAreOverriddenOneByOne) {
   const Optimized own("preset = \"machined\"\n" + kLeast +
                       "[backlash]\nmin_normal_um = 35.0\n[backlash.P2-R2]\nmin_normal_um = 50.0\n"

@@ -245,6 +245,8 @@ TEST(Preset, BareIsWhatHoldsWithoutOne) {
   const Limits bare = limits_of("preset = \"bare\"\n");
   EXPECT_EQ(none.limit, bare.limit);
   EXPECT_EQ(none.limit, default_limits().limit);
+  EXPECT_EQ(none.bare, bare.bare);
+  EXPECT_FALSE(bare.bare.empty());
 }
 
 TEST(Preset, EveryLimitIsOverriddenByItsOwnKey) {

@@ -36,11 +36,10 @@ std::string default_text(const CheckRecord& r) {
   return r.default_limit ? fmt::format("{}", *r.default_limit) : "off";
 }
 
-/// What a preset or a range of temperature sets and no other default does: files without them do
-/// not mention it.
-bool is_off_unless_preset(const CheckRecord& r) {
-  return !r.default_limit && (r.switched_limit || r.scope == CheckScope::kThermalTrain ||
-                              design::preset_limit(design::Preset::kMachined, r.id));
+/// Whether a check has a limit where a file says nothing of it but, maybe, its preset.  One that
+/// has none is not stated as off: what a file gets later (temperatures) may bring it.
+bool has_limit_unstated(const CheckRecord& r, const design::Limits& limits) {
+  return r.default_limit || (limits.preset && design::preset_limit(*limits.preset, r.id));
 }
 
 std::string unit_in_words(const CheckRecord& r) {
@@ -117,7 +116,7 @@ Key<LimitInput> threshold_key(const CheckRecord& r) {
             const auto& on = t.switched[static_cast<std::size_t>(r.id)];
             if (on) return boolean_value(*on);
             const auto& limit = t.limits[r.id];
-            if (!limit && is_off_unless_preset(r) && !t.limits.preset) return std::nullopt;
+            if (!limit && !has_limit_unstated(r, t.limits)) return std::nullopt;
             return stated(record, limit).value_or(boolean_value(false));
           }};
 }
@@ -220,11 +219,10 @@ LimitInput stated_limits(const design::Limits& limits) {
   for (const CheckRecord& r : design::check_records()) {
     const bool in_range = has_range && r.id == CheckId::kContactRatioMax;
     const bool number = r.threshold && r.limit_key.empty();
-    const bool of_preset = limits.preset && design::preset_limit(*limits.preset, r.id);
     if (limits[r.id] && r.switched_limit && !r.threshold) {
       input.switched[static_cast<std::size_t>(r.id)] = true;
     }
-    if (!limits[r.id] && !number && (r.default_limit || in_range || of_preset)) {
+    if (!limits[r.id] && !number && (in_range || has_limit_unstated(r, limits))) {
       input.switched[static_cast<std::size_t>(r.id)] = false;
     }
   }
@@ -243,14 +241,15 @@ bool states_limit(const LimitInput& input, const CheckRecord& r, const FileReadi
                                             : std::string(r.limit_key));
 }
 
-/// What the preset sets that the file does not state; without one, what is left bare.
+/// What the preset sets that the file does not state; what none sets is left bare.
 void take_preset(const LimitInput& input, const FileReading& reading, design::Limits& limits) {
   limits.bare.clear();
   for (const design::PresetLimit& of_preset : design::preset_limits()) {
     const CheckRecord& r = design::check_record(of_preset.check);
     if (states_limit(input, r, reading)) continue;
-    if (limits.preset) {
-      if (const auto limit = design::preset_limit(*limits.preset, r.id)) limits[r.id] = limit;
+    const auto limit = limits.preset ? design::preset_limit(*limits.preset, r.id) : std::nullopt;
+    if (limit) {
+      limits[r.id] = limit;
     } else if (r.default_limit != of_preset.machined && r.id != CheckId::kWall) {
       limits.bare.push_back(r.id);
     }

@@ -73,6 +73,15 @@ TEST(ThermalFile, BringsItsLimitsWhereTheFileSaysNothingOfThem) {
   EXPECT_FALSE(usual[CheckId::kThermalLostMotion]);
 }
 
+TEST(ThermalFile, BringsItsLimitsToAFileThatWasWrittenWithoutIt) {
+  for (const char* preset : {"", "preset = \"bare\"\n", "preset = \"machined\"\n"}) {
+    const std::string text = design_text(parse_design(preset + kGears, "gear.toml"));
+    const auto limits = parse_design(text + kThermal, "again.toml").limits;
+    EXPECT_EQ(limits[CheckId::kThermalBacklash], 0.0) << text;
+    EXPECT_EQ(limits[CheckId::kThermalRootClearance], 0.0) << text;
+  }
+}
+
 TEST(ThermalFile, IsWrittenAndReadBackWithItsLimits) {
   for (const char* limits :
        {"", "[limits]\nthermal_backlash = 5.0\nthermal_root_clearance = false\n",
