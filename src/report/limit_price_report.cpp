@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "report/display.hpp"
+#include "report/first_screen.hpp"
 #include "report/limits_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
@@ -269,6 +270,22 @@ std::vector<int> planets_left_out(const Specification& spec, const std::vector<H
   return left_out;
 }
 
+/// Why no best design of a number of planets is known.
+struct NoBest {
+  std::string_view name, text;
+};
+
+NoBest no_best(const HeldBackReport& report) {
+  if (report.all_refined) return {.name = "no_design", .text = "no design"};
+  if (report.interrupted) {
+    return {.name = "interrupted", .text = "none was refined to a design before the run was ended"};
+  }
+  return {.name = "proof",
+          .text =
+              "not refined to a design, as the proof leaves out what cannot be the best of "
+              "all; plain optimize tells their best, where there is one"};
+}
+
 }  // namespace
 
 std::string planets_table(const Specification& spec, const HeldBackReport& report,
@@ -295,14 +312,13 @@ std::string planets_table(const Specification& spec, const HeldBackReport& repor
   }
   const std::string rows = table.text(2);
   const std::vector<int> left_out = planets_left_out(spec, sets);
-  return fmt::format(
-      "\nBest by number of planets{}\n{}{}",
-      report.all_refined ? "" : ", of the sets that were refined",
-      fits(rows, columns) ? rows : lines,
-      left_out.empty()
-          ? ""
-          : fmt::format("  {}: {}\n", fmt::join(left_out, ", "),
-                        report.all_refined ? "no design" : "none was refined to a design"));
+  return fmt::format("\nBest by number of planets{}\n{}{}",
+                     report.all_refined ? "" : ", of the sets that were refined",
+                     fits(rows, columns) ? rows : lines,
+                     left_out.empty() ? ""
+                                      : broken(fmt::format("  {}: {}", fmt::join(left_out, ", "),
+                                                           no_best(report).text),
+                                               static_cast<int>(columns), 4));
 }
 
 namespace {
@@ -414,6 +430,10 @@ io::Json held_back_json(const Specification& spec, const HeldBackReport& report)
     entry.update(held_set_json(spec, set));
     return entry;
   });
+  json["planets_without_best"] =
+      list_json(planets_left_out(spec, report.by_planets), [&](int planets) -> io::Json {
+        return {{"planets", planets}, {"reason", no_best(report).name}};
+      });
   return json;
 }
 

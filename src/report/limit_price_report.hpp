@@ -20,7 +20,8 @@ struct HeldSet {
 struct HeldBackReport {
   HeldSet best;
   std::vector<HeldSet> by_planets;
-  bool all_refined = true;  ///< else only sets that could be the best of all are refined
+  bool all_refined = true;   ///< else only sets that could be the best of all are refined
+  bool interrupted = false;  ///< before these were
 };
 
 inline constexpr std::size_t kAnyColumns = 1000;
@@ -31,13 +32,14 @@ inline constexpr std::size_t kAnyColumns = 1000;
 std::string held_back_table(const optimize::Specification& spec, const HeldSet& best,
                             std::size_t columns = kAnyColumns);
 
-/// The best design of every number of planets, and the numbers of which no set is refined; "" where
-/// there is one number only.
+/// The best design of every number of planets, and the numbers of which none is known, with the
+/// reason; "" where there is one number only.
 /// @param columns  as above
 std::string planets_table(const optimize::Specification& spec, const HeldBackReport& report,
                           std::size_t columns = kAnyColumns);
 
-/// Fields of summary.json: prices, prices_missing, at_bounds, better_estimate, best_per_planets.
+/// Fields of summary.json: prices, prices_missing, at_bounds, better_estimate, best_per_planets,
+/// planets_without_best.
 io::Json held_back_json(const optimize::Specification& spec, const HeldBackReport& report);
 
 }  // namespace gear3k::report

@@ -418,6 +418,39 @@ TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
     best = std::max(best, entry.at("objective").get<double>());
   }
   EXPECT_EQ(both.at("best").at("eta_b"), best);
+  EXPECT_TRUE(both.at("planets_without_best").empty());
+}
+
+TEST(HeldBack, SaysWhyTheBestOfANumberOfPlanetsIsNotKnown) {
+  const Workplace place;
+  // Ten planets have no room; six have a design, whose bound is below the best of three.
+  place.write("spec.toml",
+              "planets = [3, 6, 10]\n[ratio]\ntarget = 30.0\n"
+              "[teeth]\nS = [14, 30]\nP1 = [16, 40]\nP2 = [16, 40]\nR1_max = 110\nR2_max = 110\n"
+              "[module]\nstage1_mm = 0.5\nstage2_mm = { min = 0.4, max = 0.6 }\n"
+              "[limits]\nplanet_gap = 1.0\n");
+  const auto reason_of = [&](int planets, const json& summary) -> std::string {
+    for (const json& entry : summary.at("planets_without_best")) {
+      if (entry.at("planets") == planets) return entry.at("reason").get<std::string>();
+    }
+    return "";
+  };
+  const auto run = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"optimize", "spec.toml", "--out", "out", "--force"});
+    const auto result = place.run(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return std::pair(result.out, json::parse(place.read("out/summary.json")));
+  };
+  const auto [plain_table, plain] = run({"--quiet"});
+  EXPECT_EQ(reason_of(6, plain), "");
+  EXPECT_EQ(reason_of(10, plain), "no_design");
+  EXPECT_NE(plain_table.find("\n  10: no design\n"), std::string::npos) << plain_table;
+  const auto [table, certified] = run({"--quiet", "--certify"});
+  EXPECT_EQ(reason_of(3, certified), "");
+  EXPECT_EQ(reason_of(6, certified), "proof");
+  EXPECT_NE(table.find("\n  6, 10: not refined to a design, as the proof leaves out"),
+            std::string::npos)
+      << table;
 }
 
 }  // namespace

@@ -97,7 +97,13 @@ TEST(LimitPriceReport, TellsNumbersOfPlanetsWithoutADesign) {
   }
   EXPECT_NE(planets_table(spec, report).find("\n  4, 5: no design\n"), std::string::npos);
   report.all_refined = false;
-  EXPECT_NE(planets_table(spec, report).find("\n  4, 5: none was refined to a design\n"),
+  EXPECT_NE(planets_table(spec, report).find("\n  4, 5: not refined to a design, as the proof "),
+            std::string::npos);
+  EXPECT_NE(planets_table(spec, report, 76).find("\n    best of all; plain optimize "),
+            std::string::npos)
+      << planets_table(spec, report, 76);
+  report.interrupted = true;
+  EXPECT_NE(planets_table(spec, report).find("\n  4, 5: none was refined to a design before "),
             std::string::npos);
 }
 
