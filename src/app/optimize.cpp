@@ -193,7 +193,8 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   };
   report::HeldBackReport report{.best = held(*result.best),
                                 .by_planets = {},
-                                .all_refined = !task.certify && !result.interrupted};
+                                .all_refined = !task.certify && !result.interrupted,
+                                .interrupted = result.interrupted};
   bool interrupted = result.interrupted;
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(set.index == result.best->index ? report.best : held(set));
@@ -349,11 +350,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   }
   if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
     const auto steps = hooks.front_steps ? hooks.front_steps() : std::vector<optimize::FrontStep>();
-    outcome.front = optimize::search_pareto_front(task.spec, progress,
-                                                  {.known = outcome.result.refined,
-                                                   .steps = steps,
-                                                   .on_step = hooks.on_front_step,
-                                                   .searched = &outcome.result});
+    outcome.front = optimize::search_pareto_front(
+        task.spec, progress,
+        {.steps = steps, .on_step = hooks.on_front_step, .searched = &outcome.result});
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {

@@ -71,10 +71,6 @@ class FrontSearch {
       least_.emplace(spec);
     }
     learn();
-    for (const RefinedSet& set : options.known) {
-      if (has_design(set.status)) points_.push_back(point_of(set));
-    }
-    points_ = front_of(std::move(points_));
   }
 
   ParetoFront run() {
@@ -97,7 +93,6 @@ class FrontSearch {
           }
         }
       }
-      points_.insert(points_.end(), anchors.begin(), anchors.end());
       fill_gaps();
     }
     front_.points = front_of(std::move(points_));
@@ -253,7 +248,6 @@ class FrontSearch {
     for (const Objective objective : spec_.objectives) {
       auto point = best_within(objective, {});
       if (!point) break;
-      points_.push_back(*point);
       std::vector<ObjectiveLimit> limits;
       Objective last = objective;
       for (const Objective other : spec_.objectives) {
@@ -262,6 +256,7 @@ class FrontSearch {
         if (auto better = best_within(other, limits)) point = std::move(better);
         last = other;
       }
+      points_.push_back(*point);
       anchors.push_back(std::move(*point));
     }
     return anchors;
@@ -380,6 +375,7 @@ class FrontSearch {
     unit.reserve(front_.points.size());
     for (const ParetoPoint& point : front_.points) unit.push_back(costs_of(point));
     front_.hypervolume = hypervolume(std::move(unit));
+    front_.missing = std::min(front_.missing, 1.0 - front_.hypervolume);
     hold_points();
   }
 

@@ -52,14 +52,13 @@ struct FrontStep {
 };
 
 struct FrontOptions {
-  /// Designs that are offered to the front besides; those without an optimum are not.
-  std::span<const RefinedSet> known{};
   /// The first searches' results of an earlier run of the same task: they are taken as they are.
   std::span<const FrontStep> steps{};
   /// Called with what every further search found.
   std::function<void(const FrontStep&)> on_step{};
   /// A search of the same task for its first objective alone: its bounds hold within any limits,
-  /// and its optima are known.
+  /// and what it found of a set is not refined again.  Its optima are no points of the front: each
+  /// is the best of its own set only.
   const OptimizeResult* searched = nullptr;
 };
 

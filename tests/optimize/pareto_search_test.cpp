@@ -152,8 +152,7 @@ TEST(ParetoSearch, IsAsGoodWithWhatASearchOfTheFirstObjectiveKnows) {
   spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
   Progress progress;
   const OptimizeResult searched = optimize(spec, progress);
-  const ParetoFront with =
-      search_pareto_front(spec, progress, {.known = searched.refined, .searched = &searched});
+  const ParetoFront with = search_pareto_front(spec, progress, {.searched = &searched});
   EXPECT_EQ(with.ended, ParetoFront::Ended::kDesigns);
   for (const ParetoPoint& point : with.points) {
     Specification limited = spec;
@@ -162,6 +161,33 @@ TEST(ParetoSearch, IsAsGoodWithWhatASearchOfTheFirstObjectiveKnows) {
     const OptimizeResult all = optimize(limited, progress);
     ASSERT_TRUE(all.best);
     EXPECT_NEAR(point.values[0], all.best->eta_b, 1e-5);
+  }
+}
+
+TEST(ParetoSearch, OfThreeObjectivesHasNoOptimumOfASingleSetThatAnotherSetDominates) {
+  Specification spec = few_sets();
+  spec.teeth.S = {.min = 12, .max = sample(14, 20)};
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion,
+                     Objective::kOuterDiameter};
+  spec.pareto_points = sample(8, 20);
+  Progress progress;
+  const OptimizeResult searched = optimize(spec, progress);
+  const auto designs = std::ranges::count_if(
+      searched.refined, [](const RefinedSet& set) { return has_design(set.status); });
+  EXPECT_GT(designs, spec.pareto_points) << "or this case shows nothing";
+  const ParetoFront front = search_pareto_front(spec, progress, {.searched = &searched});
+  EXPECT_GT(front.searches, 9U) << "its ends are 9 searches, and gaps are to be cut";
+  EXPECT_LE(front.hypervolume + front.missing, 1.0 + 1e-12);
+  for (const ParetoPoint& point : front.points) {
+    // All sets searched within the limits that this design keeps.
+    Specification corner = spec;
+    corner.objectives = {Objective::kBackwardEfficiency};
+    corner.limits[design::CheckId::kOutputBacklashMax] = std::max(point.values[1], 1e-9);
+    corner.limits[design::CheckId::kRingRootDiameter] =
+        point.values[2] - 2.0 * spec.bodies.ring_rim_m;
+    const OptimizeResult all = optimize(corner, progress, {.best_only = true});
+    ASSERT_TRUE(all.best);
+    EXPECT_LE(all.best->eta_b, point.values[0] + 1e-5);
   }
 }
 
