@@ -26,7 +26,7 @@ class RememberingRows {
     // that is constant in each session only rounding is left.
     Eigen::MatrixXd own = fitted;
     const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(n_, 1);
-    without_levels(ones, own);
+    if (own.cols() > 0) without_levels(ones, own);
     constexpr double kRounding = 1e-6;
     for (Eigen::Index k = 0; k < own.cols(); ++k) {
       if (own.col(k).norm() <= kRounding * fitted.col(k).norm()) own.col(k).setZero();
