@@ -275,14 +275,17 @@ Eigen::VectorXd change_of(const Problem& problem, const FoundLaw& found, const F
 }
 
 /// A law beside a hypothesis.
-/// @param least  that it is better by where nothing else tells of structure
+/// @param rate  of false laws where nothing else tells of structure
 std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hypothesis,
-                                   const Blocks& blocks, LawScope scope, double least = kSureBic) {
+                                   const Blocks& blocks, LawScope scope, double rate = 1.0) {
   LawSearch search(problem, hypothesis, scope);
   std::optional<LawTrial> best = search.best();
   if (!best || search.delta_bic(*best) < kClearBic) return std::nullopt;
   const bool plain = scope == LawScope::kPlain;
-  if (plain && search.sure_bic(*best) < least) return std::nullopt;
+  const double least = std::max(kSureBic, -2.0 * std::log(rate));
+  if (plain && (search.sure_bic(*best) < least || search.p_value(*best) > rate)) {
+    return std::nullopt;
+  }
   const std::vector<LawTrial> refitted = search.without_blocks(*best, blocks);
   if (!search.predicts(refitted, blocks)) return std::nullopt;
   best->law = within_its_rows(best->law, problem.data);
@@ -406,11 +409,10 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
 /// A law where nothing else tells of structure: without the causes, or beside them.
 std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis& hypothesis,
                                        const Blocks& blocks, std::size_t candidates, double rate) {
-  const double least = std::max(kSureBic, -2.0 * std::log(rate));
-  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain, least);
+  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain, rate);
   if (hypothesis.effects.empty()) return alone;
   if (alone && replaces_causes(problem, hypothesis, *alone, candidates)) return alone;
-  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain, least);
+  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain, rate);
   if (!beside) return std::nullopt;
   const double gain = capped_sum(problem, hypothesis, beside->scale) -
                       capped_sum(problem, beside->hypothesis, beside->scale);

@@ -53,9 +53,9 @@ struct FoundLaw {
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
 /// deviations count as three in every sum, so that a few far rows make no law; it is less by
-/// max(20, −2 ln rate) than without it; beside causes it takes off at least a fiftieth of the
-/// squares that there are; and causes fall, each paid for as one of `candidates` as well, one alone
-/// only where the law does better by that fiftieth.
+/// max(20, −2 ln rate) than without it, and its p-value is at most the rate; beside causes it takes
+/// off at least a fiftieth of the squares that there are; and causes fall, each paid for as one of
+/// `candidates` as well, one alone only where the law does better by that fiftieth.
 /// @param hypothesis  a fit already
 /// @param blocks  that are held out together
 /// @param candidates  M, from which the causes of the hypothesis were chosen; at least 1
