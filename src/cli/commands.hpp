@@ -161,7 +161,7 @@ struct SweepQuestion : CommonOptions {
   std::optional<std::int64_t> run;  ///< whose tasks; empty = all
   std::vector<std::string> by;
   std::string most, least;  ///< both "": the objective of the tasks
-  std::string x, y;  ///< of a figure
+  std::string x, y;         ///< of a figure
   std::string sql;
   std::string since;    ///< revision or date of a comparison
   bool strict = false;  ///< ends with kNoFeasibleDesign where anything is worse
