@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "io/text/csv_table.hpp"
@@ -171,9 +170,11 @@ Rows atlas_rows(const std::vector<AtlasPoint>& points) {
 
 std::string atlas_task(const AtlasQuestion& question) {
   std::vector<AtlasPoint> points = atlas_near(question);
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
-  const AtlasPoint& start = *std::ranges::max_element(
-      points, {}, [](const AtlasPoint& point) { return point.best ? point.best->eta_b : kNone; });
+  const auto eta_b = [](const AtlasPoint& point) {
+    if (!point.best) return -HUGE_VAL;
+    return point.best->eta_b;
+  };
+  const AtlasPoint& start = *std::ranges::max_element(points, {}, eta_b);
   io::TomlValue sweep = io::parse_toml(std::string(atlas_sweep()), "atlas.toml");
   io::TomlValue task = *std::ranges::find(sweep.table, "task", &io::TomlValue::key);
   set_at(task, "ratio.target", io::number_value(question.ratio));

@@ -8,7 +8,7 @@ namespace gear3k::calibrate {
 
 namespace {
 
-constexpr std::size_t kLevels = 3;
+constexpr std::size_t kSimulatedLevels = 3;
 
 double log_of(double level) {
   // Friction at or below 0 is no level: what asks for it is met at the least one.
@@ -27,14 +27,14 @@ std::vector<double> points_of(const LevelRange& levels) {
 /// Lagrange's polynomials ℓ_j of some points at x, and Hermite's with their slopes: h_j is 1 at its
 /// point with slope 0 at all, k_j has slope 1 at its point and is 0 at all.
 struct Polynomials {
-  std::array<double, kLevels> lagrange{}, h{}, h_slope{}, k{}, k_slope{};
+  std::array<double, kSimulatedLevels> lagrange{}, h{}, h_slope{}, k{}, k_slope{};
 
   Polynomials(const std::vector<double>& points, double x) {
-    for (std::size_t j = 0; j < kLevels; ++j) {
+    for (std::size_t j = 0; j < kSimulatedLevels; ++j) {
       double value = 1.0;
       double slope = 0.0;
       double own_slope = 0.0;  // ℓ'_j(x_j)
-      for (std::size_t i = 0; i < kLevels; ++i) {
+      for (std::size_t i = 0; i < kSimulatedLevels; ++i) {
         if (i == j) continue;
         const double span = points[j] - points[i];
         slope = (slope * (x - points[i]) + value) / span;

@@ -56,7 +56,7 @@ class TimeTableReader {
   }
 
  private:
-  enum Choice : std::size_t { kTime, kValue };
+  enum Choice : std::size_t { kTimeColumn, kValueColumn };
 
   void read_row(motion::Signal& signal) {
     if (fields_.values().size() != columns_.width()) {
@@ -64,12 +64,12 @@ class TimeTableReader {
                                columns_.width()));
       return;
     }
-    const double time = columns_.number(fields_, kTime, complain_);
-    const double value = columns_.number(fields_, kValue, complain_);
+    const double time = columns_.number(fields_, kTimeColumn, complain_);
+    const double value = columns_.number(fields_, kValueColumn, complain_);
     if (std::isnan(time) || std::isnan(value)) return;
     const std::size_t rows = signal.time_s.size();
     if (rows > 0 && time < signal.time_s.back()) {
-      complain_(fields_.column(columns_.place(kTime).value()),
+      complain_(fields_.column(columns_.place(kTimeColumn).value()),
                 fmt::format("time_s = {:g} after {:g}: allowed: times that do not decrease", time,
                             signal.time_s.back()));
       return;
