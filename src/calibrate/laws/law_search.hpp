@@ -23,7 +23,9 @@ struct FoundLaw {
   /// not known there: an amplitude is then 0.
   Eigen::VectorXd predicted;
   double delta_bic = 0.0;  ///< of the causes alone less that with the law; forms tried are paid for
-  double p_value = 1.0;    ///< that the best of all forms takes off as much where there is nothing
+  /// That the best of N forms takes off as much where there is nothing: at most N P(χ²_k ≥ X), k
+  /// the law's numbers, X what it takes off, rows beyond three deviations as three.
+  double p_value = 1.0;
   /// What it adds to each row as given, in the fit to all of them [SI].
   Eigen::VectorXd change;
   int forms = 0;   ///< that were tried

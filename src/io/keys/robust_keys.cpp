@@ -12,6 +12,11 @@ namespace {
 
 using optimize::Hold, optimize::Robust, units::Unit;
 
+/// That the search for the cheapest tolerances can reach.
+double most_cheapest_yield() {
+  return optimize::highest_yield(optimize::CheapestOptions{}.samples);
+}
+
 void refuse_grades(const ToleranceInput& tolerances, FileReading& reading) {
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     if (!tolerances.gears[i].grade) continue;
@@ -77,8 +82,9 @@ std::vector<Key<Robust>> robust_keys() {
            .type = KeyType::kChoice,
            .choices = {"stated", "cheapest"},
            .default_text = "\"stated\"",
-           .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) "
-                   "until the yield, to 0.99995, is reached at the least cost"},
+           .help = fmt::format("cheapest: every tolerance may be tightened or widened in steps of "
+                               "sqrt(2) until the yield, to {:g}, is reached at the least cost",
+                               most_cheapest_yield())},
           &Robust::cheapest)};
   for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
     keys.push_back(make_key<Robust>(
@@ -104,11 +110,10 @@ void check_robust(const optimize::Specification& spec, const ToleranceInput& tol
     reading.error_at("robust.tolerances",
                      "robust.tolerances = \"cheapest\": allowed with robust.hold = \"yield\"");
   }
-  const double most = optimize::highest_yield(optimize::CheapestOptions{}.samples);
-  if (robust.cheapest && robust.yield > most) {
+  if (robust.cheapest && robust.yield > most_cheapest_yield()) {
     reading.error_at("robust.yield", fmt::format("robust.yield = {:g}: allowed up to {:g} with "
                                                  "robust.tolerances = \"cheapest\"",
-                                                 robust.yield, most));
+                                                 robust.yield, most_cheapest_yield()));
   }
   if (robust.hold != Hold::kNominal) check_limits(spec.limits, reading);
   check_unread(robust, reading);
