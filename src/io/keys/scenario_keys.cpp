@@ -123,53 +123,52 @@ std::vector<Key<ScenarioInput>> control_keys() {
 
 std::vector<Key<ScenarioInput>> load_keys() {
   using In = ScenarioInput;
-  return {make_key<In>(number("load.inertia_kgm2", Unit::kKilogramSquareMetre, within(0.0, 1e9),
-                              "0", "besides that of the ACTUATOR's load"),
-                       of_load(&Load::inertia_kgm2)),
-          make_key<In>(
-              number("load.torque_nm", Unit::kNewtonMetre, within(-kMostTorque_Nm, kMostTorque_Nm),
-                     "0", "of the load on the output; constant part"),
-              of_load_torque(&Signal::constant)),
-          make_key<In>(number("load.torque_amplitude_nm", Unit::kNewtonMetre,
-                              within(-kMostTorque_Nm, kMostTorque_Nm), "0", "of its sine"),
-                       of_load_torque(&Signal::amplitude)),
-          make_key<In>(number("load.frequency_hz", Unit::kNone, above(0.0, kMostHertz), "none",
-                              "of the sine amplitude sin(2 pi frequency t + phase)"),
-                       of_load_torque(&Signal::frequency_Hz),
-                       [](const In& t, std::size_t) {
-                         return t.scenario.load.torque_Nm.frequency_Hz > 0.0;
-                       }),
-          make_key<In>(
-              number("load.phase_deg", Unit::kDegree, within(-360.0, 360.0), "0", "of the sine"),
-              of_load_torque(&Signal::phase_rad)),
-          make_key<In>(
-              {.path = "load.table",
-               .type = KeyType::kText,
-               .default_text = "none",
-               .help = "CSV file, its path as seen from this file: time_s and torque_nm (or "
-                       "load_nm), added to constant and sine; rows as in control.table, sign as in "
-                       "a CYCLE"},
-              &In::load_table, [](const In& t, std::size_t) { return !t.load_table.empty(); }),
-          make_key<In>(number("load.stiffness_nm_per_rad", Unit::kTorsionalStiffness,
-                              within(0.0, 1e12), "0", "of a spring from the output to the frame"),
-                       of_load(&Load::stiffness_Nm_rad)),
-          make_key<In>(
-              number("load.rest_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad),
-                     "0", "angle of the output at which the spring is without torque"),
-              of_load(&Load::rest_angle_rad)),
-          make_key<In>(number("load.pendulum_mass_kg", Unit::kKilogram, within(0.0, 1e6), "0",
-                              "of a mass on an arm that turns with the output, axis level"),
-                       of_pendulum(&Pendulum::mass_kg)),
-          make_key<In>(number("load.pendulum_length_m", Unit::kNone, within(0.0, 1e3), "0",
-                              "from the axis to the mass"),
-                       of_pendulum(&Pendulum::length_m)),
-          make_key<In>(number("load.pendulum_angle_rad", Unit::kNone,
-                              within(-kMostAngle_rad, kMostAngle_rad), "0",
-                              "angle of the output at which the mass hangs"),
-                       of_pendulum(&Pendulum::hanging_rad)),
-          make_key<In>(number("load.gravity_m_s2", Unit::kNone, within(0.0, 1e3), "9.80665",
-                              "acceleration of free fall"),
-                       of_pendulum(&Pendulum::gravity_m_s2))};
+  return {
+      make_key<In>(number("load.inertia_kgm2", Unit::kKilogramSquareMetre, within(0.0, 1e9), "0",
+                          "besides that of the ACTUATOR's load"),
+                   of_load(&Load::inertia_kgm2)),
+      make_key<In>(
+          number("load.torque_nm", Unit::kNewtonMetre, within(-kMostTorque_Nm, kMostTorque_Nm), "0",
+                 "of the load on the output; constant part"),
+          of_load_torque(&Signal::constant)),
+      make_key<In>(number("load.torque_amplitude_nm", Unit::kNewtonMetre,
+                          within(-kMostTorque_Nm, kMostTorque_Nm), "0", "of its sine"),
+                   of_load_torque(&Signal::amplitude)),
+      make_key<In>(
+          number("load.frequency_hz", Unit::kNone, above(0.0, kMostHertz), "none",
+                 "of the sine amplitude sin(2 pi frequency t + phase)"),
+          of_load_torque(&Signal::frequency_Hz),
+          [](const In& t, std::size_t) { return t.scenario.load.torque_Nm.frequency_Hz > 0.0; }),
+      make_key<In>(
+          number("load.phase_deg", Unit::kDegree, within(-360.0, 360.0), "0", "of the sine"),
+          of_load_torque(&Signal::phase_rad)),
+      make_key<In>({.path = "load.table",
+                    .type = KeyType::kText,
+                    .default_text = "none",
+                    .help = "CSV file, its path as seen from this file: time_s and torque_nm (or "
+                            "load_nm), added to constant and sine; rows as in control.table, "
+                            "sign as in a CYCLE"},
+                   &In::load_table, [](const In& t, std::size_t) { return !t.load_table.empty(); }),
+      make_key<In>(number("load.stiffness_nm_per_rad", Unit::kTorsionalStiffness, within(0.0, 1e12),
+                          "0", "of a spring from the output to the frame"),
+                   of_load(&Load::stiffness_Nm_rad)),
+      make_key<In>(
+          number("load.rest_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad), "0",
+                 "angle of the output at which the spring is without torque"),
+          of_load(&Load::rest_angle_rad)),
+      make_key<In>(number("load.pendulum_mass_kg", Unit::kKilogram, within(0.0, 1e6), "0",
+                          "of a mass on an arm that turns with the output, axis level"),
+                   of_pendulum(&Pendulum::mass_kg)),
+      make_key<In>(number("load.pendulum_length_m", Unit::kNone, within(0.0, 1e3), "0",
+                          "from the axis to the mass"),
+                   of_pendulum(&Pendulum::length_m)),
+      make_key<In>(
+          number("load.pendulum_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad),
+                 "0", "angle of the output at which the mass hangs"),
+          of_pendulum(&Pendulum::hanging_rad)),
+      make_key<In>(number("load.gravity_m_s2", Unit::kNone, within(0.0, 1e3), "9.80665",
+                          "acceleration of free fall"),
+                   of_pendulum(&Pendulum::gravity_m_s2))};
 }
 
 std::vector<Key<ScenarioInput>> solver_keys() {
