@@ -193,6 +193,7 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   };
   report::HeldBackReport report{.best = held(*result.best),
                                 .by_planets = {},
+                                .proofs = result.by_planets,
                                 .all_refined = !task.certify && !result.interrupted,
                                 .interrupted = result.interrupted};
   bool interrupted = result.interrupted;
@@ -324,6 +325,8 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   progress.front_designs = static_cast<std::size_t>(task.spec.pareto_points);
   progress.rounding = task.round;
   progress.best_only = task.certify;
+  const bool per_planets = task.certify && task.explain && task.spec.planets.size() > 1;
+  progress.planets = per_planets && !has_own_mesh_load(task.spec) ? task.spec.planets.size() : 0;
   progress.explains = task.explain && optimize::has_bounds(task.spec);
   progress.passes_most = optimize::most_robust_passes(task.spec.robust.hold);
   // Yields are bisected to the end; in the worst case a few passes are enough as a rule.
@@ -345,6 +348,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     outcome.result = optimize::optimize(
         task.spec, progress,
         {.best_only = task.certify,
+         .per_planets = per_planets,
          .known = hooks.known ? hooks.known() : std::vector<optimize::RefinedSet>(),
          .on_wave = hooks.on_wave});
   }

@@ -108,6 +108,9 @@ struct ProgressDisplay::State {
       case Stage::kBuilt:
         return fmt::format("limits for built gearboxes, search {} of at most {}",
                            std::max<std::size_t>(1, seen.searches), total);
+      case Stage::kPlanets:
+        return fmt::format("best by number of planets, {} of {}", std::min(finished + 1, total),
+                           total);
       case Stage::kRelaxed:
         return fmt::format("limits left out, search {} of {}", std::min(finished + 1, total),
                            total);

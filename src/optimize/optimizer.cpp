@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include "numerics/parallel.hpp"
@@ -81,24 +82,18 @@ class Run {
     std::vector<std::uint32_t> order;
     order.reserve(count);
     bound_.resize(count);
-    std::vector<char> infeasible(count);
+    infeasible_.resize(count);
+    to_beat_.assign(count, std::numeric_limits<double>::quiet_NaN());
     numerics::parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
       for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
-        const SetBound bound = result_.bounds->of(k);
-        infeasible[k] = bound.infeasible ? 1 : 0;
-        bound_[k] = merit_within(k, bound);
+        take_bound(k);
       }
     });
     for (std::size_t k = 0; k < count; ++k) {
-      infeasible_ += infeasible[k] != 0 ? 1 : 0;
-      const bool reaches = bound_[k] > -std::numeric_limits<double>::infinity();
-      if (infeasible[k] == 0 && reaches) order.push_back(static_cast<std::uint32_t>(k));
+      if (may_have_design(k)) order.push_back(static_cast<std::uint32_t>(k));
     }
     progress_.open = order.size();
-    if (options_.best_only) {
-      std::ranges::stable_sort(
-          order, [&](std::uint32_t a, std::uint32_t b) { return bound_[a] > bound_[b]; });
-    }
+    if (options_.best_only) sort_by_bound(order);
     return order;
   }
 
@@ -110,36 +105,29 @@ class Run {
       const auto same = std::ranges::lower_bound(refined, set.index, {}, &RefinedSet::index);
       if (same != refined.end() && same->index == set.index) continue;
       refined.insert(same, set);
-      offer(set);
+      offer(set, result_.best);
     }
   }
 
   void refine_all() {
-    const std::vector<std::uint32_t> order = ordered();
-    progress_.total = 0;
-    progress_.done = 0;
-    progress_.phase = Progress::Phase::kRefinement;
+    Contest all{.planets = std::nullopt, .order = ordered()};
+    begin_refinement(all.order.size());
     progress_.feasible = 0;
     progress_.best_merit = -std::numeric_limits<double>::infinity();
     const ObjectiveRecord& first = objective_record(first_objective(spec_));
     progress_.shown_per_merit = sense_of(first.id) / first.per_unit;
-    progress_.total = order.size();
-    std::size_t size = options_.best_only ? kFirstWave : kWave;
-    while (!progress_.stop.load() && result_.refined.size() < options_.most_refined) {
-      const std::vector<std::uint32_t> wave = next_wave(order, size);
-      if (wave.empty()) break;
-      refine_wave(wave);
-      if (options_.any && result_.best) break;
-      size = std::min(2 * size, kWave);
-    }
+    all.best = result_.best;
+    refine(all);
+    result_.best = all.best;
     result_.interrupted = progress_.stop.load();
     std::ranges::sort(result_.refined, {}, &RefinedSet::index);
-    if (options_.best_only && options_.certify && !result_.interrupted && result_.best) {
-      certify(order);
-      if (progress_.stop.load()) {
-        result_.certificate.reset();
-        result_.interrupted = true;
-      }
+    if (!options_.best_only || !options_.certify || result_.interrupted || !result_.best) return;
+    result_.certificate = certificate_of(all);
+    if (progress_.stop.load()) {
+      result_.certificate.reset();
+      result_.interrupted = true;
+    } else if (options_.per_planets) {
+      prove_each_number_of_planets();
     }
   }
 
@@ -148,76 +136,124 @@ class Run {
   /// Sets whose stages are tied at once, where only the best are.
   static constexpr std::size_t kTied = 512;
 
+  /// Sets among which the best is sought.
+  struct Contest {
+    std::optional<int> planets;        ///< theirs; empty: of all
+    std::vector<std::uint32_t> order;  ///< those that may have a design, in the order of refinement
+    std::vector<std::uint32_t> waiting{};  ///< to be refined, in this order
+    std::size_t taken = 0;                 ///< sets of the order that waited so far
+    std::optional<RefinedSet> best{};
+    std::size_t refined = 0;
+  };
+
+  void take_bound(std::size_t k) {
+    const SetBound bound = bounds_->of(k);
+    infeasible_[k] = bound.infeasible ? 1 : 0;
+    bound_[k] = merit_within(k, bound);
+  }
+
+  /// As far as bounds and what the objectives are limited to tell.
+  [[nodiscard]] bool may_have_design(std::size_t k) const {
+    return infeasible_[k] == 0 && bound_[k] > -kInfinity;
+  }
+
+  [[nodiscard]] bool is_refined(std::size_t k) const { return !std::isnan(to_beat_[k]); }
+
+  /// Greatest bound first, the order of the search among equals.
+  void sort_by_bound(std::vector<std::uint32_t>& sets) const {
+    std::ranges::sort(sets, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(-bound_[a], a) < std::pair(-bound_[b], b);
+    });
+  }
+
   /// What a set's design can have at most, by its bound and by what is known before.
   [[nodiscard]] double merit_within(std::size_t k, const SetBound& bound) const {
     const double own = merit_bound(spec_, bound, result_.search.candidates[k]);
     return before_.empty() ? own : std::min(own, before_[k]);
   }
 
-  [[nodiscard]] bool may_win(std::uint32_t k) const {
-    if (!options_.best_only || !result_.best) return true;
-    return bound_[k] > merit_of(spec_, *result_.best) + no_gain_;
+  [[nodiscard]] bool may_win(const Contest& contest, std::uint32_t k) const {
+    if (!options_.best_only || !contest.best) return true;
+    return bound_[k] > merit_of(spec_, *contest.best) + no_gain_;
+  }
+
+  void begin_refinement(std::size_t sets) {
+    progress_.total = 0;
+    progress_.done = 0;
+    progress_.phase = Progress::Phase::kRefinement;
+    progress_.total = sets;
+  }
+
+  void refine(Contest& contest) {
+    std::size_t size = options_.best_only ? kFirstWave : kWave;
+    while (!progress_.stop.load() && result_.refined.size() < options_.most_refined) {
+      const std::vector<std::uint32_t> wave = next_wave(contest, size);
+      if (wave.empty()) break;
+      refine_wave(contest, wave);
+      if (options_.any && contest.best) break;
+      size = std::min(2 * size, kWave);
+    }
   }
 
   /// Ties the next sets of the order, and puts those that may win among the waiting ones; a run
   /// that is stopped meanwhile leaves them where they are.
-  void take_more(const std::vector<std::uint32_t>& order) {
-    const std::size_t end = std::min(order.size(), taken_ + kTied);
-    const std::span<const std::uint32_t> more{order.data() + taken_, end - taken_};
+  void take_more(Contest& contest) {
+    const std::size_t end = std::min(contest.order.size(), contest.taken + kTied);
+    const std::span<const std::uint32_t> more{contest.order.data() + contest.taken,
+                                              end - contest.taken};
     if (!bounds_->tie(more, progress_, false)) return;
-    taken_ = end;
+    contest.taken = end;
     for (const std::uint32_t k : more) {
-      const SetBound bound = bounds_->of(k);
-      bound_[k] = merit_within(k, bound);
-      if (bound.infeasible) {
-        ++infeasible_;
-      } else if (bound_[k] > -std::numeric_limits<double>::infinity()) {
-        waiting_.push_back(k);
-      }
+      take_bound(k);
+      if (may_have_design(k)) contest.waiting.push_back(k);
     }
-    std::ranges::sort(waiting_, [&](std::uint32_t a, std::uint32_t b) {
-      return std::pair(-bound_[a], a) < std::pair(-bound_[b], b);
-    });
+    sort_by_bound(contest.waiting);
   }
 
   /// The next sets to refine: by falling bound where only the best are, each tied before.
-  std::vector<std::uint32_t> next_wave(const std::vector<std::uint32_t>& order, std::size_t size) {
-    const auto next = [&] { return taken_ < order.size() && may_win(order[taken_]); };
+  std::vector<std::uint32_t> next_wave(Contest& contest, std::size_t size) {
+    const std::vector<std::uint32_t>& order = contest.order;
+    std::vector<std::uint32_t>& waiting = contest.waiting;
+    const auto next = [&] {
+      return contest.taken < order.size() && may_win(contest, order[contest.taken]);
+    };
     if (options_.best_only && bounds_->ties()) {
       while (next() && !progress_.stop.load() &&
-             (waiting_.empty() || bound_[order[taken_]] > bound_[waiting_.front()])) {
-        take_more(order);
+             (waiting.empty() || bound_[order[contest.taken]] > bound_[waiting.front()])) {
+        take_more(contest);
       }
-    } else if (waiting_.empty() && taken_ == 0) {
-      waiting_ = order;
-      taken_ = order.size();
+    } else if (waiting.empty() && contest.taken == 0) {
+      waiting = order;
+      contest.taken = order.size();
     }
     std::size_t count = 0;
-    while (count < std::min(size, waiting_.size()) && may_win(waiting_[count])) ++count;
-    const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
-    std::vector<std::uint32_t> wave(waiting_.begin(), end);
-    waiting_.erase(waiting_.begin(), end);
+    while (count < std::min(size, waiting.size()) && may_win(contest, waiting[count])) ++count;
+    const auto end = waiting.begin() + static_cast<std::ptrdiff_t>(count);
+    std::vector<std::uint32_t> wave(waiting.begin(), end);
+    waiting.erase(waiting.begin(), end);
     const auto open = [&](std::span<const std::uint32_t> sets) {
       return static_cast<std::size_t>(
-          std::ranges::partition_point(sets, [&](std::uint32_t k) { return may_win(k); }) -
+          std::ranges::partition_point(sets, [&](std::uint32_t k) { return may_win(contest, k); }) -
           sets.begin());
     };
     progress_.total =
-        result_.refined.size() + wave.size() +
-        (options_.best_only ? open(waiting_) + open({order.data() + taken_, order.size() - taken_})
-                            : waiting_.size());
+        contest.refined + wave.size() +
+        (options_.best_only
+             ? open(waiting) + open({order.data() + contest.taken, order.size() - contest.taken})
+             : waiting.size());
     return wave;
   }
 
-  void refine_wave(std::span<const std::uint32_t> wave) {
+  void refine_wave(Contest& contest, std::span<const std::uint32_t> wave) {
     std::vector<std::optional<RefinedSet>> refined(wave.size());
     std::vector<char> fresh(wave.size());
     const double to_beat =
-        options_.best_only && result_.best ? merit_of(spec_, *result_.best) : -kInfinity;
+        options_.best_only && contest.best ? merit_of(spec_, *contest.best) : -kInfinity;
     numerics::parallel_for(wave.size(), [&](std::size_t i) {
       const std::uint32_t k = wave[i];
+      const bool again = is_refined(k);
       const auto known = std::ranges::lower_bound(options_.known, k, {}, &RefinedSet::index);
-      if (known != options_.known.end() && known->index == k) {
+      if (!again && known != options_.known.end() && known->index == k) {
         refined[i] = *known;
       } else if (auto answer = options_.answer ? options_.answer(result_.search.candidates[k])
                                                : std::nullopt) {
@@ -245,19 +281,27 @@ class Run {
     for (std::size_t i = 0; i < wave.size(); ++i) {
       if (!refined[i]) continue;
       if (fresh[i] != 0) news.push_back(*refined[i]);
-      offer(*refined[i]);
-      result_.refined.push_back(std::move(*refined[i]));
+      offer(*refined[i], contest.best);
+      keep(std::move(*refined[i]), to_beat);
+      ++contest.refined;
     }
     if (options_.on_wave && !news.empty()) options_.on_wave(news);
   }
 
-  void offer(const RefinedSet& set) {
-    if (!has_design(set.status) || is_driven_by_none(set)) return;
-    if (!result_.best) {
-      result_.best = set;
-      return;
+  /// Takes a refined set into the result, in the place of what it was refined to before.
+  void keep(RefinedSet set, double to_beat) {
+    const bool again = is_refined(set.index);
+    to_beat_[set.index] = to_beat;
+    if (again) {
+      *std::ranges::find(result_.refined, set.index, &RefinedSet::index) = std::move(set);
+    } else {
+      result_.refined.push_back(std::move(set));
     }
-    if (merit_order(spec_, set) < merit_order(spec_, *result_.best)) result_.best = set;
+  }
+
+  void offer(const RefinedSet& set, std::optional<RefinedSet>& best) const {
+    if (!has_design(set.status) || is_driven_by_none(set)) return;
+    if (!best || merit_order(spec_, set) < merit_order(spec_, *best)) best = set;
   }
 
   /// Whether no motor of the specification drives a set within its limits.
@@ -266,49 +310,131 @@ class Run {
            !std::isfinite(merit_of(spec_, set));
   }
 
-  void certify(const std::vector<std::uint32_t>& order) {
-    Certificate c;
-    c.best = merit_of(spec_, *result_.best);
-    c.refined = result_.refined.size();
-    c.objective_bounded = !is_of_load(first_objective(spec_));
-    c.infeasible = infeasible_;
-    c.bounded = result_.search.candidates.size() - infeasible_ - c.refined;
-    const auto unrefined = [&](std::uint32_t k) {
-      c.largest_unrefined_bound =
-          std::max(c.largest_unrefined_bound.value_or(bound_[k]), bound_[k]);
-    };
-    if (!waiting_.empty()) unrefined(waiting_.front());
-    if (taken_ < order.size()) unrefined(order[taken_]);
-    const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
-    std::vector<double> sharp;
-    sharp.reserve(result_.refined.size());
-    std::vector<std::size_t> open;
+  /// Whether the grid of a set was given up for what it had to beat (Status::kBounded), which is
+  /// more than it has to beat now.
+  [[nodiscard]] bool was_given_up(const RefinedSet& set, double to_beat) const {
+    return !has_design(set.status) && (set.status == Status::kBounded || set.grid_cut) &&
+           to_beat_[set.index] > to_beat;
+  }
+
+  /// The sets of a number of planets, with the best of those that are refined.
+  Contest contest_of(int planets) const {
+    Contest own{.planets = planets, .order = {}};
     for (const RefinedSet& set : result_.refined) {
-      if (bound_[set.index] > c.best + proven && follows_efficiency(first_objective(spec_))) {
-        open.push_back(sharp.size());
+      if (set.candidate.planets == planets) offer(set, own.best);
+    }
+    const double to_beat = own.best ? merit_of(spec_, *own.best) : -kInfinity;
+    const std::vector<Candidate>& candidates = result_.search.candidates;
+    auto refined = result_.refined.begin();
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      while (refined != result_.refined.end() && refined->index < k) ++refined;
+      const bool there = refined != result_.refined.end() && refined->index == k;
+      if (candidates[k].planets != planets || !may_have_design(k)) continue;
+      if (!there || was_given_up(*refined, to_beat)) {
+        own.order.push_back(static_cast<std::uint32_t>(k));
       }
-      sharp.push_back(bound_[set.index]);
+    }
+    sort_by_bound(own.order);
+    return own;
+  }
+
+  /// Goes on with the sets that may be the best of their number of planets.
+  void prove_each_number_of_planets() {
+    std::vector<int> numbers = spec_.planets;
+    std::ranges::sort(numbers);
+    numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+    progress_.stage_done = 0;
+    progress_.stage_total = numbers.size();
+    progress_.stage = Progress::Stage::kPlanets;
+    for (const int planets : numbers) {
+      Contest own = contest_of(planets);
+      ++progress_.searches;
+      begin_refinement(own.order.size());
+      refine(own);
+      std::ranges::sort(result_.refined, {}, &RefinedSet::index);
+      if (own.best) offer(*own.best, result_.best);
+      const Certificate proof = certificate_of(own);
+      if (progress_.stop.load()) {
+        result_.interrupted = true;
+        return;
+      }
+      result_.by_planets.push_back({.planets = planets, .proof = proof});
+      ++progress_.stage_done;
+    }
+    result_.certificate =
+        certificate_of({.planets = std::nullopt, .order = {}, .best = result_.best});
+  }
+
+  /// What is proven of the sets of a contest that is over.
+  Certificate certificate_of(const Contest& contest) {
+    Certificate c;
+    const bool found = contest.best.has_value();
+    c.best = found ? merit_of(spec_, *contest.best) : -kInfinity;
+    c.objective_bounded = !is_of_load(first_objective(spec_));
+    count_sets(contest, c);
+    c.global_bound = std::max(c.best, c.largest_unrefined_bound.value_or(c.best));
+    if (found) sharpen(contest, c);
+    name_strength_limits(c);
+    return c;
+  }
+
+  void count_sets(const Contest& contest, Certificate& c) const {
+    const std::vector<Candidate>& candidates = result_.search.candidates;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      if (contest.planets && candidates[k].planets != *contest.planets) continue;
+      if (is_refined(k)) {
+        ++c.refined;
+      } else if (infeasible_[k] != 0) {
+        ++c.infeasible;
+      } else {
+        ++c.bounded;
+        if (may_have_design(k)) {
+          c.largest_unrefined_bound =
+              std::max(c.largest_unrefined_bound.value_or(bound_[k]), bound_[k]);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double sharp_bound(std::uint32_t k) const {
+    const auto sharp = sharp_.find(k);
+    return sharp == sharp_.end() ? bound_[k] : sharp->second.bound;
+  }
+
+  /// Takes the bounds of the refined sets that could still hold something better, sharpened, into
+  /// a certificate.
+  void sharpen(const Contest& contest, Certificate& c) {
+    const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
+    std::vector<std::uint32_t> own, open;
+    for (const RefinedSet& set : result_.refined) {
+      if (contest.planets && set.candidate.planets != *contest.planets) continue;
+      own.push_back(set.index);
       c.grid_cut += set.grid_cut ? 1 : 0;
+      const auto sharp = sharp_.find(set.index);
+      const bool done = sharp != sharp_.end() && sharp->second.to_the_end;
+      if (!done && follows_efficiency(first_objective(spec_)) &&
+          sharp_bound(set.index) > c.best + proven) {
+        open.push_back(set.index);
+      }
     }
     progress_.total = 0;
     progress_.done = 0;
     progress_.phase = Progress::Phase::kCertificate;
     progress_.total = open.size();
     const double enough = is_efficiency(first_objective(spec_)) ? c.best : -kInfinity;
+    std::vector<Sharp> sharp(open.size());
     numerics::parallel_for(open.size(), [&](std::size_t i) {
       if (progress_.stop.load()) return;
-      const std::size_t k = result_.refined[open[i]].index;
-      sharp[open[i]] =
-          merit_bound(spec_, bounds_->sharpened(k, enough), result_.search.candidates[k]);
+      sharp[i].bound = merit_bound(spec_, bounds_->sharpened(open[i], enough),
+                                   result_.search.candidates[open[i]]);
+      sharp[i].to_the_end = !bounds_->ties() || sharp[i].bound > enough;
       ++progress_.done;
     });
-    c.global_bound = std::max(c.best, c.largest_unrefined_bound.value_or(c.best));
-    for (const double bound : sharp) {
-      c.global_bound = std::max(c.global_bound, bound);
-      if (bound > c.best + proven) ++c.open;
+    for (std::size_t i = 0; i < open.size(); ++i) sharp_.insert_or_assign(open[i], sharp[i]);
+    for (const std::uint32_t k : own) {
+      c.global_bound = std::max(c.global_bound, sharp_bound(k));
+      if (sharp_bound(k) > c.best + proven) ++c.open;
     }
-    name_strength_limits(c);
-    result_.certificate = c;
   }
 
   /// Whether the tooth of a mesh that a check is about is a ring's.
@@ -345,10 +471,15 @@ class Run {
   double no_gain_;
   std::shared_ptr<SetBounds> bounds_;  ///< of the result
   std::vector<double> bound_;
-  std::vector<double> before_;  ///< OptimizeOptions::bound_before, where that is known
-  std::size_t infeasible_ = 0;
-  std::vector<std::uint32_t> waiting_;  ///< to be refined, in this order
-  std::size_t taken_ = 0;               ///< sets of the order that waited so far
+  std::vector<double> before_;    ///< OptimizeOptions::bound_before, where that is known
+  std::vector<char> infeasible_;  ///< proven to have no design
+  std::vector<double> to_beat_;   ///< by set: what it had to beat when it was refined; nan: not yet
+  /// A bound that was sharpened, to the end or to where that was enough.
+  struct Sharp {
+    double bound = kInfinity;
+    bool to_the_end = false;
+  };
+  std::unordered_map<std::uint32_t, Sharp> sharp_;
 };
 
 }  // namespace

@@ -25,6 +25,8 @@ struct OptimizeOptions {
   bool best_only = false;
   /// Whether a search for the best alone also proves what no design is above: see Certificate.
   bool certify = true;
+  /// With a certificate: goes on to prove the best of every number of planets, too.
+  bool per_planets = false;
   /// Ends with the first wave that has a design.
   bool any = false;
   /// No further wave is begun when so many sets are refined.
@@ -70,6 +72,13 @@ struct Certificate {
 /// What counts as nothing in a certificate, in units of the objective's scale.
 inline constexpr double kProven = 1e-6;
 
+/// The certificate of the sets of a number of planets, as if there were no others; best is minus
+/// infinity where none of them was refined to a design.
+struct PlanetsCertificate {
+  int planets = 0;
+  Certificate proof;
+};
+
 /// Its bounds look into its own candidates: it may be moved, not copied.
 struct OptimizeResult {
   OptimizeResult() = default;
@@ -86,6 +95,8 @@ struct OptimizeResult {
   std::optional<RefinedSet> best;
   std::vector<std::size_t> pareto;  ///< indices into `refined`, see pareto_front()
   std::optional<Certificate> certificate;
+  /// Of OptimizeOptions::per_planets, by rising number; an interrupted run has those it came to.
+  std::vector<PlanetsCertificate> by_planets;
   bool interrupted = false;
 };
 

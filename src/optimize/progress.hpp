@@ -16,8 +16,9 @@ struct Progress {
     std::size_t front_objectives = 0, front_designs = 0;  ///< of a front that is sought
     bool front_lost_motion = false;                       ///< whether lost motion is one of them
     bool rounding = false;
-    bool best_only = false;  ///< the search refines only what can still win
-    bool explains = false;   ///< searches follow beyond ends of ranges, or without limits
+    bool best_only = false;   ///< the search refines only what can still win
+    std::size_t planets = 0;  ///< numbers of planets whose best is proven after it
+    bool explains = false;    ///< searches follow beyond ends of ranges, or without limits
     /// Searches for limits that hold for built gearboxes, where these come first.
     std::size_t passes_least = 0, passes_most = 0;
     /// Gearboxes built at random in each of them, and after them (positions of those that turn
@@ -26,10 +27,10 @@ struct Progress {
   };
   std::atomic<std::size_t> front_objectives{0}, front_designs{0};
   std::atomic<bool> front_lost_motion{false}, rounding{false}, best_only{false}, explains{false};
-  std::atomic<std::size_t> passes_least{0}, passes_most{0};
+  std::atomic<std::size_t> planets{0}, passes_least{0}, passes_most{0};
   std::atomic<std::size_t> built_per_pass{0}, built_after{0};
   /// What the searches of a run are for, where they are several.
-  enum class Stage { kOne, kFrontEnds, kFrontGaps, kBeyond, kRelaxed, kBuilt };
+  enum class Stage { kOne, kFrontEnds, kFrontGaps, kBeyond, kRelaxed, kBuilt, kPlanets };
   std::atomic<Stage> stage{Stage::kOne};
   std::atomic<std::size_t> stage_done{0};  ///< searches, or designs in the gaps of a front
   std::atomic<std::size_t> stage_total{0};

@@ -109,6 +109,7 @@ ProgressSeen seen_of(const Progress& progress) {
                    .front_lost_motion = progress.front_lost_motion.load(),
                    .rounding = progress.rounding.load(),
                    .best_only = progress.best_only.load(),
+                   .planets = progress.planets.load(),
                    .explains = progress.explains.load(),
                    .passes_least = progress.passes_least.load(),
                    .passes_most = progress.passes_most.load(),
@@ -245,6 +246,9 @@ double RunForecast::search_s(Stage stage) const {
       break;
     case Stage::kBuilt:
       return searches(stage).mean_s(0.0, 0.0);
+    case Stage::kPlanets:
+      return searches(stage).mean_s(
+          kSetsOfBest.expected * set_s() + kSharpened.expected * sharpening_s(), 1.0);
     case Stage::kFrontEnds:
       return front_search_s();
     case Stage::kFrontGaps: {
@@ -424,6 +428,11 @@ void RunForecast::add_passes(Range& left) const {
 void RunForecast::add_later(Range& left) const {
   const Progress::Plan& plan = last_.plan;
   const bool of_all = is_of_all(last_.stage);
+  if (of_all && plan.planets > 0) {
+    // That of the best of all is proven with it.
+    add(left, static_cast<double>(plan.planets - 1) * search_s(Stage::kPlanets),
+        kSetsOfBest.factor);
+  }
   if (plan.front_objectives > 1) {
     const auto objectives = static_cast<double>(plan.front_objectives);
     const double in_gaps = kInGaps * static_cast<double>(plan.front_designs);

@@ -94,7 +94,7 @@ class RunForecast {
   double found_s_ = 0.0;          ///< of the latest that is over
   double built_s_ = 0.0;          ///< with gearboxes in the passes
   Work stages_, sets_, bounds_;   ///< bounded, with a design; refined; sharpened
-  std::array<Work, 6> searches_;  ///< that are over, by Stage
+  std::array<Work, 7> searches_;  ///< that are over, by Stage
   std::optional<Range> told_;     ///< what was known last, and when
   double told_at_s_ = 0.0;
 };

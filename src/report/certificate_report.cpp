@@ -31,30 +31,46 @@ std::string bounded_strength_text(const optimize::Certificate& c) {
 
 }  // namespace
 
-io::Json certificate_json(const Specification& spec, const OptimizeResult& result) {
-  if (!result.certificate) return nullptr;
-  const optimize::Certificate& c = *result.certificate;
+std::string bound_text(const Specification& spec, double merit) {
   const optimize::ObjectiveRecord& record =
       optimize::objective_record(optimize::first_objective(spec));
-  const auto shown = [&](double merit) {
+  const double value = optimize::sense_of(record.id) * merit / record.per_unit;
+  if (value == 0.0) return with_objective_unit(record, 0.0);
+  constexpr double kDigits = 6.0;
+  const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
+  const double rounded =
+      (record.maximise ? std::ceil(value * power) : std::floor(value * power)) / power;
+  return with_objective_unit(record, rounded * record.per_unit);
+}
+
+io::Json proof_json(const Specification& spec, const optimize::Certificate& c) {
+  const optimize::ObjectiveRecord& record =
+      optimize::objective_record(optimize::first_objective(spec));
+  const auto shown = [&](double merit) -> io::Json {
+    if (!std::isfinite(merit)) return nullptr;
     return optimize::sense_of(record.id) * merit / record.per_unit;
   };
-  return {
-      {"objective", record.name},
-      {"unit", record.unit},
-      {"best", shown(c.best)},
-      {"refined", c.refined},
-      {"bounded", c.bounded},
-      {"infeasible", c.infeasible},
-      {"largest_unrefined_bound",
-       c.largest_unrefined_bound ? io::Json(shown(*c.largest_unrefined_bound)) : nullptr},
-      {"global_bound", c.objective_bounded ? io::Json(shown(c.global_bound)) : nullptr},
-      {"gap", c.objective_bounded ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
-                                  : nullptr},
-      {"locally_optimal_only", c.open},
-      {"grid_cut", c.grid_cut},
-      {"strength_bounded", c.strength_bounded},
-      {"strength_not_bounded", c.strength_not_bounded}};
+  const bool bounded = c.objective_bounded && std::isfinite(c.global_bound);
+  return {{"objective", record.name},
+          {"unit", record.unit},
+          {"best", shown(c.best)},
+          {"refined", c.refined},
+          {"bounded", c.bounded},
+          {"infeasible", c.infeasible},
+          {"largest_unrefined_bound",
+           c.largest_unrefined_bound ? shown(*c.largest_unrefined_bound) : nullptr},
+          {"global_bound", bounded ? shown(c.global_bound) : nullptr},
+          {"gap", bounded && std::isfinite(c.best)
+                      ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
+                      : nullptr},
+          {"locally_optimal_only", c.open},
+          {"grid_cut", c.grid_cut},
+          {"strength_bounded", c.strength_bounded},
+          {"strength_not_bounded", c.strength_not_bounded}};
+}
+
+io::Json certificate_json(const Specification& spec, const OptimizeResult& result) {
+  return result.certificate ? proof_json(spec, *result.certificate) : io::Json(nullptr);
 }
 
 std::string certificate_text(const Specification& spec, const OptimizeResult& result) {
@@ -64,16 +80,6 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
       optimize::objective_record(optimize::first_objective(spec));
   const auto shown = [&](double merit) {
     return with_objective_unit(record, optimize::sense_of(record.id) * merit);
-  };
-  // A bound is rounded to the side on which it still is one.
-  const auto bound_shown = [&](double merit) {
-    const double value = optimize::sense_of(record.id) * merit / record.per_unit;
-    if (value == 0.0) return shown(merit);
-    constexpr double kDigits = 6.0;
-    const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
-    const double rounded =
-        (record.maximise ? std::ceil(value * power) : std::floor(value * power)) / power;
-    return with_objective_unit(record, rounded * record.per_unit);
   };
   const char* than = record.maximise ? "more" : "less";
   const std::string strength = bounded_strength_text(c);
@@ -87,11 +93,11 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
   }
   if (c.largest_unrefined_bound) {
     text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
-                        bound_shown(*c.largest_unrefined_bound));
+                        bound_text(spec, *c.largest_unrefined_bound));
   }
   text += fmt::format(
       "; {} sets are proven to have no feasible design; no design of any set has {} than {}",
-      c.infeasible, than, bound_shown(c.global_bound));
+      c.infeasible, than, bound_text(spec, c.global_bound));
   if (c.open > 0) {
     text +=
         fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);

@@ -8,6 +8,13 @@
 
 namespace gear3k::report {
 
+/// A bound of merit_of() in the unit of the objective, rounded to six digits, to the side on which
+/// it still is one.
+std::string bound_text(const optimize::Specification& spec, double merit);
+
+/// Fields of a certificate; numbers that are not known are null.
+io::Json proof_json(const optimize::Specification& spec, const optimize::Certificate& proof);
+
 /// null without a certificate.
 io::Json certificate_json(const optimize::Specification& spec,
                           const optimize::OptimizeResult& result);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "optimize/objective_value.hpp"
+#include "report/certificate_report.hpp"
 #include "report/display.hpp"
 #include "report/first_screen.hpp"
 #include "report/limits_report.hpp"
@@ -270,13 +272,22 @@ std::vector<int> planets_left_out(const Specification& spec, const std::vector<H
   return left_out;
 }
 
+/// What is proven of a number of planets; null where nothing is.
+const optimize::Certificate* proof_of(const HeldBackReport& report, int planets) {
+  const auto own =
+      std::ranges::find(report.proofs, planets, &optimize::PlanetsCertificate::planets);
+  return own == report.proofs.end() ? nullptr : &own->proof;
+}
+
 /// Why no best design of a number of planets is known.
 struct NoBest {
   std::string_view name, text;
 };
 
-NoBest no_best(const HeldBackReport& report) {
-  if (report.all_refined) return {.name = "no_design", .text = "no design"};
+NoBest no_best(const HeldBackReport& report, int planets) {
+  if (report.all_refined || proof_of(report, planets) != nullptr) {
+    return {.name = "no_design", .text = "no design"};
+  }
   if (report.interrupted) {
     return {.name = "interrupted", .text = "none was refined to a design before the run was ended"};
   }
@@ -286,17 +297,67 @@ NoBest no_best(const HeldBackReport& report) {
               "all; plain optimize tells their best, where there is one"};
 }
 
+/// Lines of the numbers of planets without a best design, those with the same reason together.
+std::string without_best_text(const Specification& spec, const HeldBackReport& report,
+                              std::size_t columns) {
+  std::string text;
+  const std::vector<int> left_out = planets_left_out(spec, report.by_planets);
+  for (auto first = left_out.begin(); first != left_out.end();) {
+    const NoBest reason = no_best(report, *first);
+    const auto last = std::find_if(first, left_out.end(), [&](int planets) {
+      return no_best(report, planets).name != reason.name;
+    });
+    text += broken(fmt::format("  {}: {}", fmt::join(first, last, ", "), reason.text),
+                   static_cast<int>(columns), 4);
+    first = last;
+  }
+  return text;
+}
+
+/// A bound of merit_of(), rounded to the side on which it still is one.
+std::string bound_shown(const Specification& spec, double merit) {
+  if (!in_percent_points(spec)) return bound_text(spec, merit);
+  constexpr double kDecimals = 1e5;  // three of a percentage
+  return objective_text(spec, std::ceil(merit * kDecimals) / kDecimals);
+}
+
+/// What is proven of the best of a number of planets: that no design surpasses it, or what none
+/// surpasses.
+std::string proof_text(const Specification& spec, const HeldBackReport& report, int planets) {
+  const optimize::Certificate* const proof = proof_of(report, planets);
+  if (proof == nullptr || !proof->objective_bounded || !std::isfinite(proof->best)) {
+    return "not proven";
+  }
+  const double nothing =
+      optimize::kProven * optimize::objective_scale(optimize::first_objective(spec), spec);
+  if (proof->global_bound - proof->best <= nothing) return "proven";
+  return fmt::format("none {} {}", record_of(spec).maximise ? "above" : "below",
+                     bound_shown(spec, proof->global_bound));
+}
+
+std::string planets_title(const HeldBackReport& report) {
+  if (report.all_refined) return "Best by number of planets";
+  if (report.proofs.empty()) return "Best by number of planets, of the sets that were refined";
+  return "Best by number of planets, each by a proof of its own";
+}
+
 }  // namespace
 
 std::string planets_table(const Specification& spec, const HeldBackReport& report,
                           std::size_t columns) {
   const std::vector<HeldSet>& sets = report.by_planets;
   if (spec.planets.size() < 2) return "";
-  TextTable table({"planets", "S/P1/R1/P2/R2", "ratio", std::string(record_of(spec).title),
-                   "held back most by"});
-  for (const std::size_t column : {std::size_t{1}, std::size_t{4}}) table.align_left(column);
+  const bool proofs = !report.proofs.empty();
+  std::vector<std::string> head{"planets", "S/P1/R1/P2/R2", "ratio",
+                                std::string(record_of(spec).title)};
+  if (proofs) head.emplace_back("proof");
+  head.emplace_back("held back most by");
+  const std::size_t last = head.size() - 1;
+  TextTable table(std::move(head));
+  for (const std::size_t column : {std::size_t{1}, last}) table.align_left(column);
   std::string lines;
   for (const HeldSet& set : sets) {
+    const int planets = set.set.candidate.planets;
     const LimitPrice* const price = dearest(set.held);
     const std::string teeth = teeth_text(set.set.candidate.teeth);
     const std::string ratio = fmt::format("{:.4f}", train::ratio(set.set.candidate.teeth));
@@ -305,20 +366,18 @@ std::string planets_table(const Specification& spec, const HeldBackReport& repor
         price == nullptr
             ? "-"
             : fmt::format("{} = {} ({})", price->key, value_text(*price), price_text(spec, *price));
-    table.add({fmt::format("{}", set.set.candidate.planets), teeth, ratio, objective, held});
-    lines += fmt::format("  {}: {}, ratio {}, {} {}\n    held back most by {}\n",
-                         set.set.candidate.planets, teeth, ratio, record_of(spec).title, objective,
-                         held);
+    std::vector<std::string> row{fmt::format("{}", planets), teeth, ratio, objective};
+    if (proofs) row.push_back(proof_text(spec, report, planets));
+    row.push_back(held);
+    table.add(std::move(row));
+    lines +=
+        fmt::format("  {}: {}, ratio {}, {} {}{}\n    held back most by {}\n", planets, teeth,
+                    ratio, record_of(spec).title, objective,
+                    proofs ? fmt::format(" ({})", proof_text(spec, report, planets)) : "", held);
   }
   const std::string rows = table.text(2);
-  const std::vector<int> left_out = planets_left_out(spec, sets);
-  return fmt::format("\nBest by number of planets{}\n{}{}",
-                     report.all_refined ? "" : ", of the sets that were refined",
-                     fits(rows, columns) ? rows : lines,
-                     left_out.empty() ? ""
-                                      : broken(fmt::format("  {}: {}", fmt::join(left_out, ", "),
-                                                           no_best(report).text),
-                                               static_cast<int>(columns), 4));
+  return fmt::format("\n{}\n{}{}", planets_title(report), fits(rows, columns) ? rows : lines,
+                     without_best_text(spec, report, columns));
 }
 
 namespace {
@@ -413,6 +472,12 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
           {"better_searched", relaxed_json(spec, best)}};
 }
 
+/// null where nothing is proven of a number of planets.
+io::Json planets_proof_json(const Specification& spec, const HeldBackReport& report, int planets) {
+  const optimize::Certificate* const proof = proof_of(report, planets);
+  return proof == nullptr ? io::Json(nullptr) : proof_json(spec, *proof);
+}
+
 }  // namespace
 
 io::Json held_back_json(const Specification& spec, const HeldBackReport& report) {
@@ -426,13 +491,16 @@ io::Json held_back_json(const Specification& spec, const HeldBackReport& report)
                    {"eta_b", set.set.eta_b},
                    {"eta_f", set.set.eta_f},
                    {"backlash_arcmin", arcmin(set.set.lost_motion_rad)},
-                   {"all_refined", report.all_refined}};
+                   {"all_refined", report.all_refined},
+                   {"certificate", planets_proof_json(spec, report, set.set.candidate.planets)}};
     entry.update(held_set_json(spec, set));
     return entry;
   });
   json["planets_without_best"] =
       list_json(planets_left_out(spec, report.by_planets), [&](int planets) -> io::Json {
-        return {{"planets", planets}, {"reason", no_best(report).name}};
+        return {{"planets", planets},
+                {"reason", no_best(report, planets).name},
+                {"certificate", planets_proof_json(spec, report, planets)}};
       });
   return json;
 }

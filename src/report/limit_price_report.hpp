@@ -6,6 +6,7 @@
 
 #include "io/text/json.hpp"
 #include "optimize/limit_prices.hpp"
+#include "optimize/optimizer.hpp"
 
 namespace gear3k::report {
 
@@ -20,6 +21,8 @@ struct HeldSet {
 struct HeldBackReport {
   HeldSet best;
   std::vector<HeldSet> by_planets;
+  /// What is proven of numbers of planets; empty where that was not asked for.
+  std::vector<optimize::PlanetsCertificate> proofs{};
   bool all_refined = true;   ///< else only sets that could be the best of all are refined
   bool interrupted = false;  ///< before these were
 };
@@ -32,8 +35,8 @@ inline constexpr std::size_t kAnyColumns = 1000;
 std::string held_back_table(const optimize::Specification& spec, const HeldSet& best,
                             std::size_t columns = kAnyColumns);
 
-/// The best design of every number of planets, and the numbers of which none is known, with the
-/// reason; "" where there is one number only.
+/// The best design of every number of planets, with what is proven of it, and the numbers of which
+/// none is known, with the reason; "" where there is one number only.
 /// @param columns  as above
 std::string planets_table(const optimize::Specification& spec, const HeldBackReport& report,
                           std::size_t columns = kAnyColumns);

@@ -421,7 +421,7 @@ TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
   EXPECT_TRUE(both.at("planets_without_best").empty());
 }
 
-TEST(HeldBack, SaysWhyTheBestOfANumberOfPlanetsIsNotKnown) {
+TEST(HeldBack, ProvesTheBestOfEveryNumberOfPlanetsAndSaysWhichHaveNone) {
   const Workplace place;
   // Ten planets have no room; six have a design, whose bound is below the best of three.
   place.write("spec.toml",
@@ -447,10 +447,22 @@ TEST(HeldBack, SaysWhyTheBestOfANumberOfPlanetsIsNotKnown) {
   EXPECT_NE(plain_table.find("\n  10: no design\n"), std::string::npos) << plain_table;
   const auto [table, certified] = run({"--quiet", "--certify"});
   EXPECT_EQ(reason_of(3, certified), "");
-  EXPECT_EQ(reason_of(6, certified), "proof");
-  EXPECT_NE(table.find("\n  6, 10: not refined to a design, as the proof leaves out"),
+  EXPECT_EQ(reason_of(6, certified), "");
+  EXPECT_EQ(reason_of(10, certified), "no_design");
+  EXPECT_NE(table.find("\nBest by number of planets, each by a proof of its own\n"),
             std::string::npos)
       << table;
+  EXPECT_NE(table.find("\n  10: no design\n"), std::string::npos) << table;
+  ASSERT_EQ(certified.at("best_per_planets").size(), plain.at("best_per_planets").size());
+  for (std::size_t k = 0; k < certified.at("best_per_planets").size(); ++k) {
+    const json& proven = certified.at("best_per_planets")[k];
+    const json& best = plain.at("best_per_planets")[k];
+    EXPECT_EQ(proven.at("teeth"), best.at("teeth"));
+    EXPECT_EQ(proven.at("objective"), best.at("objective"));
+    EXPECT_EQ(proven.at("certificate").at("best"), best.at("objective"));
+    EXPECT_GE(proven.at("certificate").at("global_bound"), best.at("objective"));
+    EXPECT_EQ(best.at("certificate"), nullptr);
+  }
 }
 
 }  // namespace

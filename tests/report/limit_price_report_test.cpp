@@ -102,6 +102,21 @@ TEST(LimitPriceReport, TellsNumbersOfPlanetsWithoutADesign) {
   EXPECT_NE(planets_table(spec, report, 76).find("\n    best of all; plain optimize "),
             std::string::npos)
       << planets_table(spec, report, 76);
+  const auto proof = [](int planets, double best, double bound) {
+    optimize::PlanetsCertificate own{.planets = planets, .proof = {}};
+    own.proof.best = best;
+    own.proof.global_bound = bound;
+    return own;
+  };
+  report.proofs = {proof(2, 0.9, 0.9 + 1e-7), proof(3, 0.9, 0.912341),
+                   proof(4, -optimize::kInfinity, -optimize::kInfinity)};
+  const std::string proven = planets_table(spec, report);
+  EXPECT_NE(proven.find("\nBest by number of planets, each by a proof of its own\n"),
+            std::string::npos);
+  EXPECT_NE(proven.find(" proven "), std::string::npos) << proven;
+  EXPECT_NE(proven.find(" none above 91.235 % "), std::string::npos) << proven;
+  EXPECT_NE(proven.find("\n  4: no design\n  5: not refined"), std::string::npos) << proven;
+  report.proofs.clear();
   report.interrupted = true;
   EXPECT_NE(planets_table(spec, report).find("\n  4, 5: none was refined to a design before "),
             std::string::npos);
