@@ -23,10 +23,12 @@ struct Foreseen {
 /// Over bounding a stage of the first kind that has a design: refining a set (5 to 14), sharpening
 /// a bound (100 to 260), and a stage of the second kind (0.4 to 0.9).
 constexpr double kRefining = 5.0, kSharpening = 150.0, kSecondStage = 0.55;
+/// A stage without a design, over one with a design (0 to 0.7, half of them below 0.1).
+constexpr double kEmptyStage = 0.05;
 /// What the rest of bounding may be off by: chosen.
 constexpr double kBoundingFactor = 1.5;
 /// Sets and bounds that count as done at that: chosen.
-constexpr double kSetsExpected = 20.0, kBoundsExpected = 0.5;
+constexpr double kSetsExpected = 20.0, kBoundsExpected = 1.0;
 /// Of the sets whose stages have a design those to refine (0.92 to 1): pairs of modules rule out
 /// others.
 constexpr Foreseen kOpen{.expected = 0.8, .factor = 1.5};
@@ -34,6 +36,12 @@ constexpr Foreseen kOpen{.expected = 0.8, .factor = 1.5};
 /// to 18, 0.75 to 12 are told).
 constexpr Foreseen kSetsOfBest{.expected = 32.0, .factor = 2.0};
 constexpr Foreseen kSharpened{.expected = 3.0, .factor = 4.0};
+/// Of the proof of the best of a number of planets: sets refined (27 to 32), bounds sharpened (0 to
+/// 13).
+constexpr Foreseen kSetsOfPlanets{.expected = 30.0, .factor = 1.5};
+constexpr Foreseen kSharpenedOfPlanets{.expected = 1.0, .factor = 5.0};
+/// Sets as many as which it costs to tell what holds the best of a number of planets back: chosen.
+constexpr double kHeldBack = 6.0;
 /// Sets that rounding costs: chosen.
 constexpr Foreseen kRounding{.expected = 30.0, .factor = 2.0};
 /// What is built after the passes for built gearboxes, over a pass, before any is built (8, by one
@@ -95,6 +103,13 @@ double time_left(double expected_s, double elapsed_s) {
   return std::max(expected_s - elapsed_s, kGoesOn * elapsed_s);
 }
 
+/// Whether sets cost in a stage what they do in the search of all: with or without a design.
+bool tells_of_sets(Progress::Stage stage) {
+  using Stage = Progress::Stage;
+  return stage == Stage::kOne || stage == Stage::kBuilt || stage == Stage::kPlanets ||
+         stage == Stage::kRelaxed;
+}
+
 bool is_of_all(Progress::Stage stage) {
   return stage == Progress::Stage::kOne || stage == Progress::Stage::kBuilt;
 }
@@ -137,13 +152,14 @@ bool RunForecast::is_over() const { return last_.stage == Stage::kOne && is_expl
 /// Where the time since the last look belongs.
 void RunForecast::account(double passed_s, const ProgressSeen& seen) {
   if (last_.phase == Phase::kCertificate) bounds_.time_s += passed_s;
-  if (!is_of_all(last_.stage) || is_over()) return;
+  if (is_over()) return;
+  if (last_.phase == Phase::kRefinement && tells_of_sets(last_.stage)) sets_.time_s += passed_s;
+  if (!is_of_all(last_.stage)) return;
   if (last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) {
     finding_s_ += passed_s;
     if (seen.phase == Phase::kRefinement) found_s_ = finding_s_;
   }
   if (last_.phase == Phase::kBounds) stages_.time_s += passed_s;
-  if (last_.phase == Phase::kRefinement) sets_.time_s += passed_s;
   if (last_.phase == Phase::kGearboxes && !builds_after()) built_s_ += passed_s;
 }
 
@@ -151,13 +167,15 @@ void RunForecast::account(double passed_s, const ProgressSeen& seen) {
 void RunForecast::count(const ProgressSeen& seen, bool other) {
   const std::size_t more = seen.done - (other ? 0 : last_.done);
   if (seen.phase == Phase::kCertificate) bounds_.items += static_cast<double>(more);
+  if (seen.phase == Phase::kRefinement && tells_of_sets(seen.stage)) {
+    sets_.items += static_cast<double>(more);
+  }
   if (!is_of_all(seen.stage)) return;
-  if (seen.phase == Phase::kRefinement) sets_.items += static_cast<double>(more);
   if (seen.phase == Phase::kBounds) {
-    // Stages without a design cost next to nothing.
     const std::size_t empty = seen.empty_first + seen.empty_second;
     const std::size_t before = other ? 0 : last_.empty_first + last_.empty_second;
-    stages_.items += static_cast<double>(more - std::min(more, empty - std::min(empty, before)));
+    const auto emptied = static_cast<double>(std::min(more, empty - std::min(empty, before)));
+    stages_.items += static_cast<double>(more) - (1.0 - kEmptyStage) * emptied;
   }
 }
 
@@ -190,6 +208,7 @@ void RunForecast::observe(double now_s, const ProgressSeen& seen) {
   } else {
     rate_.observe(now_s, seen.done);
   }
+  if (other || seen.done != last_.done) item_began_s_ = now_s;
   begun_ = true;
   last_ = seen;
   last_s_ = now_s;
@@ -205,7 +224,25 @@ double RunForecast::set_s() const {
 }
 
 double RunForecast::sharpening_s() const {
-  return bounds_.mean_s(kSharpening * stages_.mean_s(0.0, 0.0), kBoundsExpected);
+  const double expected_s = kSharpening * stages_.mean_s(0.0, 0.0);
+  Work own = bounds_;
+  if (last_.phase == Phase::kCertificate && last_.done < last_.total) {
+    // The one that runs tells nothing until it takes longer than the others.
+    const double running_s = last_s_ - item_began_s_;
+    own.time_s -= running_s;
+    const double mean_s = own.mean_s(expected_s, kBoundsExpected);
+    if (running_s <= mean_s) return mean_s;
+    own.time_s += running_s;
+    own.items += 1.0;
+  }
+  return own.mean_s(expected_s, kBoundsExpected);
+}
+
+/// Of the bounds that are being sharpened, less what the one that runs took.
+double RunForecast::sharpenings_s() const {
+  const double each_s = sharpening_s();
+  return std::max(0.0, number_left(last_.done, last_.total) * each_s -
+                           std::min(each_s, last_s_ - item_began_s_));
 }
 
 /// What a search of a front takes, as far as its ends tell: those that are not made yet count as
@@ -247,8 +284,7 @@ double RunForecast::search_s(Stage stage) const {
     case Stage::kBuilt:
       return searches(stage).mean_s(0.0, 0.0);
     case Stage::kPlanets:
-      return searches(stage).mean_s(
-          kSetsOfBest.expected * set_s() + kSharpened.expected * sharpening_s(), 1.0);
+      return kSetsOfPlanets.expected * set_s() + kSharpenedOfPlanets.expected * sharpening_s();
     case Stage::kFrontEnds:
       return front_search_s();
     case Stage::kFrontGaps: {
@@ -265,7 +301,8 @@ double RunForecast::search_s(Stage stage) const {
       // Beyond a range of tooth numbers there are few sets, with a limit given way all of them.
       return searches(stage).mean_s(found_s, kItemsExpected);
     case Stage::kRelaxed:
-      return searches(stage).mean_s(found_s, 1.0);
+      // It ends with the first wave that has a design, which may be long in coming.
+      return searches(stage).mean_s(found_s + kSetsOfBest.expected * set_s(), 1.0);
   }
   return found_s;
 }
@@ -336,7 +373,7 @@ std::optional<Range> RunForecast::rest_of_first() const {
       }
       return left;
     case Phase::kCertificate:
-      add(left, number_left(last_.done, last_.total) * sharpening_s());
+      add(left, sharpenings_s());
       return left;
     case Phase::kGearboxes:
       if (!left_s) return std::nullopt;
@@ -344,6 +381,21 @@ std::optional<Range> RunForecast::rest_of_first() const {
       return left;
   }
   return std::nullopt;
+}
+
+/// Of the proof of the best of a number of planets that runs.
+Range RunForecast::rest_of_planets() const {
+  Range left;
+  if (last_.stage_done == last_.stage_total) return left;
+  const double items = number_left(last_.done, last_.total);
+  if (last_.phase == Phase::kCertificate) {
+    add(left, sharpenings_s());
+    return left;
+  }
+  const double sets = std::max(1.0, kSetsOfPlanets.expected - static_cast<double>(last_.done));
+  add(left, std::min(items, last_.done < kSetsKnown ? sets : items) * set_s());
+  add(left, kSharpenedOfPlanets, sharpening_s());
+  return left;
 }
 
 /// Of the search that runs.
@@ -357,11 +409,27 @@ std::optional<Range> RunForecast::rest_of_search() const {
   const bool of_all = is_of_all(last_.stage);
   if (of_all && searches(last_.stage).items == 0.0) return rest_of_first();
   if (last_.stage == Stage::kOne) return rest_of_first();
+  if (last_.stage == Stage::kPlanets) return rest_of_planets();
   double left_s = time_left(search_s(last_.stage), elapsed_s);
-  if (!of_all && last_.phase == Phase::kRefinement && last_.done >= kSetsKnown) {
-    const std::size_t most = last_.stage == Stage::kRelaxed ? kMostRefinedWithout : last_.total;
-    left_s = rate_.seconds_left(std::min(most, last_.total)).value_or(left_s);
+  const bool many = !of_all && last_.phase == Phase::kRefinement && last_.done >= kSetsKnown;
+  if (many && last_.stage == Stage::kRelaxed) {
+    // The next wave may have a design, or none until it is given up.
+    const double most_s =
+        rate_.seconds_left(std::min(kMostRefinedWithout, last_.total)).value_or(left_s);
+    left.least_s += std::min(kGoesOn * elapsed_s, most_s);
+    left.most_s += most_s;
+    return left;
   }
+  const double all_s = rate_.seconds_left(last_.total).value_or(left_s);
+  const bool front = last_.stage == Stage::kFrontEnds || last_.stage == Stage::kFrontGaps;
+  if (front && last_.phase == Phase::kRefinement && last_.done > 0) {
+    // What the first wave finds may rule out the other sets, or none of them.
+    const bool waved = static_cast<double>(last_.done) >= kSetsOfBest.expected;
+    left.least_s += waved ? all_s : left_s;
+    left.most_s += waved ? all_s : std::max(left_s, all_s);
+    return left;
+  }
+  if (many) left_s = all_s;
   add(left, left_s);
   return left;
 }
@@ -427,11 +495,15 @@ void RunForecast::add_passes(Range& left) const {
 /// What follows the searches of the stage that runs.
 void RunForecast::add_later(Range& left) const {
   const Progress::Plan& plan = last_.plan;
-  const bool of_all = is_of_all(last_.stage);
+  const bool planets = last_.stage == Stage::kPlanets;
+  const bool of_all = is_of_all(last_.stage) || planets;
   if (of_all && plan.planets > 0) {
+    add(left, kHeldBack * static_cast<double>(plan.planets) * set_s());
     // That of the best of all is proven with it.
-    add(left, static_cast<double>(plan.planets - 1) * search_s(Stage::kPlanets),
-        kSetsOfBest.factor);
+    const double others = planets ? number_left(last_.stage_done + 1, last_.stage_total)
+                                  : static_cast<double>(plan.planets - 1);
+    add(left, kSetsOfPlanets, others * set_s());
+    add(left, kSharpenedOfPlanets, others * sharpening_s());
   }
   if (plan.front_objectives > 1) {
     const auto objectives = static_cast<double>(plan.front_objectives);
@@ -463,7 +535,7 @@ std::optional<Range> RunForecast::range_now() const {
   if (!running) return std::nullopt;
   left = *running;
   if (last_.stage == Stage::kBuilt) add_passes(left);
-  if (!is_of_all(last_.stage)) {
+  if (!is_of_all(last_.stage) && last_.stage != Stage::kPlanets) {
     const bool gaps = last_.stage == Stage::kFrontGaps;
     const bool limits = last_.stage == Stage::kRelaxed;
     const double to_come = std::max(0.0, searches_left());

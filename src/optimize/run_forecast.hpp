@@ -68,6 +68,7 @@ class RunForecast {
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] double set_s() const;
   [[nodiscard]] double sharpening_s() const;
+  [[nodiscard]] double sharpenings_s() const;
   [[nodiscard]] double front_search_s() const;
   [[nodiscard]] double scatter_of_gaps(double to_come) const;
   [[nodiscard]] double search_s(Stage stage) const;
@@ -79,6 +80,7 @@ class RunForecast {
   [[nodiscard]] std::optional<Range> rest_of_first() const;
   [[nodiscard]] Range rest_of_all() const;
   [[nodiscard]] Range rest_of_best(double refined) const;
+  [[nodiscard]] Range rest_of_planets() const;
   void add_passes(Range& left) const;
   void add_later(Range& left) const;
   Work& searches(Stage stage) { return searches_.at(static_cast<std::size_t>(stage)); }
@@ -89,6 +91,7 @@ class RunForecast {
   bool begun_ = false, is_explained_ = false;  ///< ranges or limits gave way
   ProgressSeen last_;
   double last_s_ = 0.0, search_began_s_ = 0.0;
+  double item_began_s_ = 0.0;     ///< since when no item was done
   WorkRate rate_;                 ///< of the phase
   double finding_s_ = 0.0;        ///< search and bounds of the latest search of all sets
   double found_s_ = 0.0;          ///< of the latest that is over

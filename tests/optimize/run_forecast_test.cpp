@@ -314,5 +314,52 @@ TEST(RunForecast, TellsAFrontThatIsStillToComeWhileSetsAreRefined) {
   EXPECT_GT(*alone.seconds_left(), 10.0 * without);
 }
 
+// A stage is 2 ms, a set 10 ms and a bound 300 ms: those of the plan are as expected.
+TEST(RunForecast, ForeseesTheProofsOfNumbersOfPlanets) {
+  const auto proof = [](Phase phase, std::size_t number) {
+    ProgressSeen seen = at(phase, Stage::kPlanets);
+    seen.searches = number;
+    seen.stage_done = number - 1;
+    seen.stage_total = 4;
+    return seen;
+  };
+  std::vector<Part> parts{{bounds_of(20000), 1000, 2.0},
+                          {at(Phase::kRefinement), 32, 0.32},
+                          {at(Phase::kCertificate), 3, 0.9}};
+  for (const std::size_t number : {2, 3, 4}) {
+    parts.push_back({proof(Phase::kRefinement, number), 32, 0.32});
+    parts.push_back({proof(Phase::kCertificate, number), 1, 0.3});
+  }
+  // Then what holds each of them back, as long as 24 sets.
+  parts.push_back({proof(Phase::kCertificate, 5), 1, 0.24});
+  Progress::Plan plan;
+  plan.best_only = true;
+  plan.planets = 4;
+  expect_within(2.25, parts, plan);
+}
+
+// Many sets may win, and none is found to rule the others out.
+TEST(RunForecast, OfALongSearchInAFrontGoesByItsSets) {
+  RunForecast forecast;
+  ProgressSeen seen = at(Phase::kRefinement, Stage::kFrontGaps);
+  seen.plan.front_objectives = 2;
+  seen.plan.front_designs = 1;
+  seen.searches = seen.stage_total = 1;
+  seen.total = 400;
+  constexpr double kSet_s = 0.05;
+  for (std::size_t done = 0; done <= seen.total; ++done) {
+    seen.done = done;
+    forecast.observe(kSet_s * static_cast<double>(done), seen);
+    const double left_s = kSet_s * static_cast<double>(seen.total - done);
+    const auto told = forecast.range_left();
+    if (done == 0 || done == seen.total) continue;
+    ASSERT_TRUE(told);
+    EXPECT_GE(told->most_s, 0.99 * left_s) << done;
+    if (done < 32) continue;
+    EXPECT_TRUE(told->is_one());
+    EXPECT_NEAR(told->middle_s(), left_s, 0.01 * left_s) << done;
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::optimize::run_forecast_test
