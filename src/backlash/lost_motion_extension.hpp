@@ -10,18 +10,22 @@ namespace gear3k::backlash {
 
 /// Lost motion at the output between +T and −T, sun locked:
 ///
-///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c (T/T_0)^−h + w min(1, T/T_1)
+///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 c T_0 s(T) + w min(1, T/T_1)
+///   s = (T/T_0)^(1 − h),  or ln(1 + T/T_p)/ln(1 + T_0/T_p) where there is a T_p
 ///
-/// φ_kin: kinematic_lost_motion() at the centre distance of the temperature θ.
+/// φ_kin: kinematic_lost_motion() at the centre distance of the temperature θ.  T_p: stiffness in
+/// proportion to what presses rough surfaces together, the preload and the torque, K ~ T_p + T.
 /// Source: definition of the test, docs/theory §29; w and T_1: stiffness in straight pieces, K_1 up
 /// to a torque and more beyond, as makers of strain wave gears state it (Harmonic Drive SE,
-/// LynxDrive engineering data 1018856, 08/2018, glossary: torsional stiffness K_1, K_2, K_3).
+/// LynxDrive engineering data 1018856, 08/2018, glossary: torsional stiffness K_1, K_2, K_3); T_p:
+/// p ~ e^(−u/u_0) between rough surfaces (Persson 2007, arXiv:0706.2762), hence dp/du ~ p.
 template <class T>
 struct LostMotionExtension {
   T clearance_rad{};                        ///< φ_0
   T compliance_rad_Nm{};                    ///< c, at the output and T_0
   T hardening{};                            ///< h: 0 linear, towards 1 all near zero torque
   double hardening_torque_Nm = 1.0;         ///< T_0 > 0
+  T preload_torque_Nm{};                    ///< T_p, with h = 0; 0: none
   T soft_windup_rad{};                      ///< w, of what is soft up to T_1 only
   T soft_torque_Nm = constant<T>(1.0);      ///< T_1 > 0
   T expansion_1_K{};                        ///< α of the carrier relative to the gears
@@ -31,7 +35,7 @@ struct LostMotionExtension {
   bool beyond_springs = false;
 };
 
-/// 2 T c (T/T_0)^−h + w min(1, T/T_1): what the gearbox winds up between −T and +T; 0 at T = 0.
+/// 2 c T_0 s(T) + w min(1, T/T_1): what the gearbox winds up between −T and +T; 0 at T = 0.
 template <class T>
 T windup(const LostMotionExtension<T>& e, const T& torque_Nm) {
   using std::exp;
@@ -39,6 +43,11 @@ T windup(const LostMotionExtension<T>& e, const T& torque_Nm) {
   T result = 2.0 * torque_Nm * e.compliance_rad_Nm;
   if (!is_neutral(e.hardening, 0.0) && torque_Nm > constant<T>(0.0)) {
     result = result * exp(T(-e.hardening * log(T(torque_Nm / e.hardening_torque_Nm))));
+  }
+  if (!is_neutral(e.preload_torque_Nm, 0.0)) {
+    const T& preload = e.preload_torque_Nm;
+    result = T(2.0 * e.hardening_torque_Nm * e.compliance_rad_Nm *
+               log(T(1.0 + torque_Nm / preload)) / log(T(1.0 + e.hardening_torque_Nm / preload)));
   }
   if (is_neutral(e.soft_windup_rad, 0.0)) return result;
   return T(result + e.soft_windup_rad * smaller(T(torque_Nm / e.soft_torque_Nm), constant<T>(1.0)));

@@ -64,7 +64,8 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
          .face_width_m = lossy.face_width_m[stage],
          .temperature_K = motion.temperature_K,
          .forward = torque_Nm[train::kMeshP2R2] > 0.0,
-         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
+         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2]),
+         .own_torque_Nm = ring2_torque_by(lossy.geometry.teeth, k, torque_Nm[k])});
     if (!mu) return false;
     for (const std::size_t driver : {0U, 1U}) {
       const auto flank = efficiency::flank_friction(

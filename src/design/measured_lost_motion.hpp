@@ -24,7 +24,9 @@ bool changes_lost_motion(const backlash::LostMotionExtension<T>& e) {
 
 /// Angle of the output between +T and −T, sun locked.
 ///
-///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c (T/T_0)^−h + w min(1, T/T_1)
+///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 c T_0 s(T) + w min(1, T/T_1)
+///
+/// s: wind-up over that at T_0 (backlash::LostMotionExtension).
 ///
 /// The parts keep their size: α is the carrier's expansion relative to that of the gears.  A mesh
 /// that interferes keeps its negative share, as in backlash::kinematic_lost_motion().

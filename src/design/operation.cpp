@@ -61,7 +61,8 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                    .face_width_m = t.face_width_m[stage],
                    .temperature_K = state.temperature_K,
                    .forward = state.forward,
-                   .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
+                   .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2]),
+                   .own_torque_Nm = ring2_torque_by(t.geometry.teeth, k, torque_Nm[k])});
     if (!mu) return false;
     m.friction = *mu;
     for (const std::size_t driver : {0U, 1U}) {

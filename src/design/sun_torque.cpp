@@ -82,7 +82,8 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
          .face_width_m = constant<T>(r.train.face_width_m[stage]),
          .temperature_K = constant<T>(r.temperature_K),
          .forward = r.forward,
-         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
+         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2]),
+         .own_torque_Nm = ring2_torque_by(g.teeth, k, torque_Nm[k])});
     if (!mu) return std::nullopt;
     const efficiency::Friction<T>& law = *friction.friction;
     for (const std::size_t driver : {0U, 1U}) {

@@ -188,6 +188,19 @@ train::LoadedTrain<T> frictionless_train(const train::ToothSet& teeth,
   return loaded;
 }
 
+/// Torque that R2's teeth carry where a mesh carries a given one and nothing is lost on the way:
+/// that of S times |i|, of R1 times |i/(i − 1)|, i = w_S/w_R2, as the torques on S, R1 and R2 add
+/// up to none and so do their powers.
+/// @param torque_Nm  on the mesh's central gear, of all planets
+/// @returns a magnitude [N m]
+template <class T>
+T ring2_torque_by(const train::ToothSet& teeth, std::size_t mesh, const T& torque_Nm) {
+  if (mesh == train::kMeshP2R2) return magnitude(torque_Nm);
+  const double ratio = train::speed_ratios(teeth).sun;
+  const double share = mesh == train::kMeshSP1 ? ratio : ratio / (ratio - 1.0);
+  return T(std::abs(share) * magnitude(torque_Nm));
+}
+
 /// Largest change of the torques over the largest torque; 0 without torque.
 template <class T>
 double relative_change(const MeshTorques<T>& from, const MeshTorques<T>& to) {

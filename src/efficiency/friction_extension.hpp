@@ -46,6 +46,7 @@ struct FrictionExtension {
   T load_exponent{};                        ///< n
   double reference_force_N = 1.0;           ///< F_0 > 0; [N m] where it is a torque
   bool load_is_torque = false;              ///< each mesh by its own share of the load
+  bool share_is_of_force = false;           ///< that share by the mesh's own force
   T slow_excess{};                          ///< a
   T slow_speed_m_s = constant<T>(1.0);      ///< v_0 > 0
   T speed_exponent{};                       ///< m
@@ -123,7 +124,8 @@ BentBy bent_by(const FrictionExtension<T>& e) {
 
 /// The whole factor.
 /// @param bent  bent_by(e)
-/// @param load  normal force [N], or where load_is_torque the torque that R2's teeth carry [N m]
+/// @param load  normal force [N], or where load_is_torque the torque that R2's teeth carry, where
+///              share_is_of_force by the mesh's own force [N m]
 template <class T>
 T friction_factor(const FrictionExtension<T>& e, const BentBy& bent, const T& load,
                   const T& sliding_speed_m_s, const T& temperature_K, bool forward) {

@@ -181,7 +181,8 @@ std::optional<T> friction_coefficient(const FrictionAtTemperature<T>& at,
   std::optional<T> mu = unbounded_friction(at, state);
   if (!mu) return mu;
   const FrictionExtension<T>& e = at.friction->extension;
-  const T& load = e.load_is_torque ? state.ring2_torque_Nm : state.normal_force_N;
+  const T& torque = e.share_is_of_force ? state.own_torque_Nm : state.ring2_torque_Nm;
+  const T& load = e.load_is_torque ? torque : state.normal_force_N;
   const T factor = friction_factor(e, at.bent, load, state.sliding_speed_m_s, state.temperature_K,
                                    state.forward);
   mu = smaller(T(*mu * factor), constant<T>(kGreatestFriction));

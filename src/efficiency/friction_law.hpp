@@ -117,6 +117,7 @@ struct MeshState {
   T temperature_K;
   bool forward = true;  ///< the sun drives the train
   T ring2_torque_Nm{};  ///< that R2's teeth carry, of all planets
+  T own_torque_Nm{};    ///< the same by this mesh's force, as if nothing were lost between them
 };
 
 /// Whether a law needs to know where the mesh runs, and whether it reads Friction::coefficient.

@@ -93,6 +93,30 @@ TEST(MeasuredLostMotion, HardeningLeavesTheWindUpAtItsTorqueAndRaisesItBelow) {
   EXPECT_LT(wound(-0.4, 2.0), wound(0.0, 2.0));
 }
 
+TEST(MeasuredLostMotion, APreloadedWindUpGrowsStifferInProportionToPreloadAndTorque) {
+  const backlash::LostMotionExtension<double> e{
+      .compliance_rad_Nm = 2e-5, .hardening_torque_Nm = 8.0, .preload_torque_Nm = 1.5};
+  EXPECT_TRUE(changes_lost_motion(e));
+  EXPECT_EQ(backlash::windup(e, 0.0), 0.0);
+  EXPECT_NEAR(backlash::windup(e, 8.0), 2.0 * 8.0 * 2e-5, 1e-18);
+  // Slopes by central differences: dφ/dT (T_p + T) is the same at every torque.
+  const auto slope = [&](double torque_Nm) {
+    constexpr double kStep = 1e-4;
+    return (backlash::windup(e, torque_Nm + kStep) - backlash::windup(e, torque_Nm - kStep)) /
+           (2.0 * kStep);
+  };
+  for (const double torque_Nm : {0.5, 2.0, 12.0}) {
+    EXPECT_NEAR(slope(torque_Nm) * (1.5 + torque_Nm), slope(1.0) * 2.5, 1e-7 * slope(1.0));
+  }
+  // Far above all torques it is the straight wind-up.
+  auto stiff = e;
+  stiff.preload_torque_Nm = 8e6;
+  EXPECT_NEAR(backlash::windup(stiff, 2.0), 2.0 * 2.0 * 2e-5, 1e-10);
+  const auto p = some_train();
+  EXPECT_NEAR(*measured_lost_motion<double>(p, e, {.torque_Nm = 8.0}),
+              rigid_by_thicknesses(p) + 3.2e-4, 1e-13);
+}
+
 TEST(MeasuredLostMotion, ClearanceAddsAndWindUpIsTwiceTorqueTimesCompliance) {
   const auto p = some_train();
   const double rigid = rigid_by_thicknesses(p);

@@ -868,6 +868,40 @@ TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheShaftsTorque)
   EXPECT_GT(seen, 500);
 }
 
+TEST(ExtendedOperation, AMeshsOwnShareOfTheLoadIsItsForceOverThatOfALosslessTrain) {
+  Random random(271);
+  LargestDeviation largest;
+  int seen = 0;
+  for (int i = 0; i < 500; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, kModels[static_cast<std::size_t>(i % 4)]);
+    g.friction.coefficient = random.between(0.01, 0.08);
+    g.shafts = {};
+    Gearbox lossless = g;
+    lossless.friction.coefficient = 0.0;
+    auto& e = g.friction.extension;
+    e.load_exponent = random.between(-0.8, 0.8);
+    e.load_is_torque = e.share_is_of_force = true;
+    const OperatingPoint<double> point = random.point();
+    OperatingPoint<double> at_reference = point;
+    at_reference.output_torque_Nm = e.reference_force_N = random.scale(0.1, 20.0);
+    for (const Direction direction : kDirections) {
+      const auto result = operate(g.train(), point, direction);
+      const auto reference = operate(lossless.train(), at_reference, direction);
+      if (!result.operation || !reference.operation) continue;
+      for (std::size_t k = 0; k < kMeshCount; ++k) {
+        const auto& mesh = result.operation->mesh[k];
+        const double share = mesh.normal_force_N / reference.operation->mesh[k].normal_force_N;
+        const double expected = g.friction.coefficient * std::pow(share, e.load_exponent);
+        if (!(share > 1e-3) || !(expected < 0.5)) continue;
+        ++seen;
+        largest.see(i, mesh.friction - expected, 1e-10 * expected);
+      }
+    }
+  }
+  largest.expect_allowed("friction");
+  EXPECT_GT(seen, 1000);
+}
+
 /// With the sun's torque given no mesh knows of the output's bearing, so that their torques repeat
 /// before the shaft's does.
 TEST(ExtendedOperation, AnOutputBearingTakesItsShareWithAFreeSunToo) {
@@ -1052,7 +1086,11 @@ TEST(SunTorque, IsThatOfTheOperationWithItsDerivativesByTheLosses) {
   for (int i = 0; i < 1200; ++i) {
     Gearbox g = random.gearbox(kLaws[static_cast<std::size_t>(i % 5)],
                                kModels[static_cast<std::size_t>(i / 5 % 4)]);
-    if (i / 40 % 2 == 1) extend(random, g);
+    if (i / 40 % 2 == 1) {
+      extend(random, g);
+      g.friction.extension.load_is_torque = i / 80 % 2 == 1;
+      g.friction.extension.share_is_of_force = i / 160 % 2 == 1;
+    }
     const OperatingPoint<double> point = random.point();
     const Direction direction = kDirections[static_cast<std::size_t>(i / 20 % 2)];
     const auto& f = g.friction;

@@ -12,7 +12,19 @@ namespace gear3k::calibrate::compliance {
 namespace {
 
 constexpr const char* kHardening = "hardening";
+constexpr const char* kPreloaded = "preloaded";
 constexpr const char* kTwoStage = "two_stage";
+constexpr const char* kHardeningTorque = "hardening_torque";
+
+/// Parameter of a torque within a range about the middle of it.
+ParameterRecord torque_change(std::string_view name, double most) {
+  return {.name = name,
+          .unit = "",
+          .lower = -most,
+          .upper = most,
+          .plausible_low = -most,
+          .plausible_high = most};
+}
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   std::vector<ParameterRecord> result{{.name = "compliance",
@@ -33,6 +45,9 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .plausible_low = -0.2,
                       .plausible_high = kSoftest});
   }
+  if (form.name == kPreloaded) {
+    result.push_back(torque_change("log_preload_torque_change", half_range_of(form)));
+  }
   if (form.name == kTwoStage) {
     result.push_back({.name = "soft_windup",
                       .unit = "arcmin",
@@ -40,31 +55,58 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .upper = 1e4,
                       .plausible_low = 0.0,
                       .plausible_high = 1e3});
-    const double most = half_range_of(form);
-    result.push_back({.name = "log_soft_torque_change",
-                      .unit = "",
-                      .lower = -most,
-                      .upper = most,
-                      .plausible_low = -most,
-                      .plausible_high = most});
+    result.push_back(torque_change("log_soft_torque_change", half_range_of(form)));
   }
   return result;
 }
 
-/// Test torques between which what is soft at first may come to its end: a quarter of the loaded
-/// rows, and two torques at least, lie at or below.  Otherwise it would be a constant in disguise,
-/// which is `clearance`.
-ValueRange soft_torques(const MeasurementSet& data) {
+/// Test torques above 0, rising.
+std::vector<double> loaded_torques(const MeasurementSet& data) {
   std::vector<double> torque_Nm;
   for (const Observation& row : data.rows) {
     if (row.condition.test_torque_Nm > 0.0) torque_Nm.push_back(row.condition.test_torque_Nm);
   }
   std::ranges::sort(torque_Nm);
+  return torque_Nm;
+}
+
+/// The first torque that is more than another one.
+double next_torque(const std::vector<double>& rising_Nm, double torque_Nm) {
   constexpr double kApart = 1.02;
-  const auto second =
-      std::ranges::find_if(torque_Nm, [&](double t) { return t > kApart * torque_Nm.front(); });
-  if (second == torque_Nm.end()) return {};
-  return {.low = std::max(*second, torque_Nm[torque_Nm.size() / 4]), .high = torque_Nm.back()};
+  const auto next =
+      std::ranges::find_if(rising_Nm, [&](double t) { return t > kApart * torque_Nm; });
+  return next == rising_Nm.end() ? HUGE_VAL : *next;
+}
+
+/// Test torques between which what is soft at first may come to its end: a quarter of the loaded
+/// rows, and two torques at least, lie at or below.  Otherwise it would be a constant in disguise,
+/// which is `clearance`.
+ValueRange soft_torques(const std::vector<double>& rising_Nm) {
+  if (rising_Nm.empty()) return {};
+  const double second_Nm = next_torque(rising_Nm, rising_Nm.front());
+  if (!std::isfinite(second_Nm)) return {};
+  return {.low = std::max(second_Nm, rising_Nm[rising_Nm.size() / 4]), .high = rising_Nm.back()};
+}
+
+/// Preloads that rows of three torques at least can tell: from the least torque, as one below it
+/// would be a constant in disguise, to where the wind-up over the greatest is nearly straight.
+ValueRange preload_torques(const std::vector<double>& rising_Nm) {
+  if (rising_Nm.empty()) return {};
+  const double second_Nm = next_torque(rising_Nm, rising_Nm.front());
+  if (!std::isfinite(next_torque(rising_Nm, second_Nm))) return {};
+  constexpr double kNearlyStraight = 4.0;
+  return {.low = rising_Nm.front(), .high = kNearlyStraight * rising_Nm.back()};
+}
+
+/// A form with a torque that is free within a range.
+/// @param name  of that torque
+Form form_about(const char* form, const char* name, const ValueRange& torque) {
+  return {.name = form,
+          .constants = {{.name = name, .unit = "Nm", .value = std::sqrt(torque.low * torque.high)},
+                        {.name = "torque_half_range",
+                         .unit = "",
+                         .value = 0.5 * std::log(torque.high / torque.low)}},
+          .weight = 0.0};
 }
 
 std::vector<Form> forms(const Occasion& o) {
@@ -73,24 +115,23 @@ std::vector<Form> forms(const Occasion& o) {
   // Once it is found: teeth and bearings that touch more as the torque grows are soft near zero.
   const ValueRange torque = range_of(*o.data, &Condition::test_torque_Nm);
   if (torque.varies()) {
-    result.push_back(
-        {.name = kHardening,
-         .constants = {{.name = "hardening_torque", .unit = "Nm", .value = torque.high}},
-         .weight = 0.0});
+    result.push_back({.name = kHardening,
+                      .constants = {{.name = kHardeningTorque, .unit = "Nm", .value = torque.high}},
+                      .weight = 0.0});
+  }
+  const std::vector<double> loaded = loaded_torques(*o.data);
+  // Rough joints that a preload presses together, and the torque more and more.
+  if (const ValueRange preload = preload_torques(loaded); preload.varies()) {
+    result.push_back(form_about(kPreloaded, "preload_torque", preload));
+    result.back().constants.push_back(
+        {.name = kHardeningTorque, .unit = "Nm", .value = loaded.back()});
   }
   // Bearings whose rollers do not all carry yet, or a flexible part that settles: soft up to a
   // torque.
-  const ValueRange soft = soft_torques(*o.data);
+  const ValueRange soft = soft_torques(loaded);
   constexpr double kApart = 1.2;
   if (soft.high > kApart * soft.low) {
-    result.push_back({.name = kTwoStage,
-                      .constants = {{.name = "soft_torque",
-                                     .unit = "Nm",
-                                     .value = std::sqrt(soft.low * soft.high)},
-                                    {.name = "torque_half_range",
-                                     .unit = "",
-                                     .value = 0.5 * std::log(soft.high / soft.low)}},
-                      .weight = 0.0});
+    result.push_back(form_about(kTwoStage, "soft_torque", soft));
   }
   return result;
 }
@@ -101,7 +142,12 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind k
   e.compliance_rad_Nm = e.compliance_rad_Nm + p[0] * response_unit(kind).si;
   if (form.name == kHardening) {
     e.hardening = p[1];
-    e.hardening_torque_Nm = form.constant("hardening_torque");
+    e.hardening_torque_Nm = form.constant(kHardeningTorque);
+  }
+  if (form.name == kPreloaded) {
+    using std::exp;
+    e.preload_torque_Nm = Scalar(form.constant("preload_torque") * exp(p[1]));
+    e.hardening_torque_Nm = form.constant(kHardeningTorque);
   }
   if (form.name == kTwoStage) {
     using std::exp;
@@ -110,18 +156,20 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind k
   }
 }
 
-/// Where what is soft at first comes to its end.
-std::vector<DerivedParameter> soft_torque(const Form& form, std::span<const Scalar> p,
-                                          const Simulation&, const Modification&) {
+/// The preload's torque, and where what is soft at first comes to its end.
+std::vector<DerivedParameter> torques(const Form& form, std::span<const Scalar> p,
+                                      const Simulation&, const Modification&) {
   using std::exp;
-  if (form.name != kTwoStage) return {};
-  return {{.record = {.name = "soft_torque",
+  const bool preloaded = form.name == kPreloaded;
+  if (!preloaded && form.name != kTwoStage) return {};
+  const char* name = preloaded ? "preload_torque" : "soft_torque";
+  return {{.record = {.name = name,
                       .unit = "Nm",
                       .lower = -HUGE_VAL,
                       .upper = HUGE_VAL,
                       .plausible_low = 0.0,
                       .plausible_high = HUGE_VAL},
-           .value = Scalar(form.constant("soft_torque") * exp(p[2]))}};
+           .value = Scalar(form.constant(name) * exp(p.back()))}};
 }
 
 }  // namespace
@@ -135,6 +183,6 @@ const Cause cause{.id = "compliance",
                   .parameters = parameters,
                   .forms = forms,
                   .apply = apply,
-                  .derived = soft_torque};
+                  .derived = torques};
 
 }  // namespace gear3k::calibrate::compliance

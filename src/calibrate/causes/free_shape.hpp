@@ -25,6 +25,15 @@ inline constexpr std::string_view kPlace = "place_";
 /// At the end of the name of a form that takes the torque that R2's teeth carry in the place of
 /// each mesh's force: every mesh by its own share of the load.
 inline constexpr std::string_view kByTorque = "_by_torque";
+/// The same with that torque by each mesh's own force: with what is lost between it and R2.
+inline constexpr std::string_view kByShare = "_by_share";
+/// What of the load a form takes.
+inline std::string_view load_variable(const Form& form) {
+  for (const std::string_view name : {kByTorque, kByShare}) {
+    if (form.name.ends_with(name)) return name;
+  }
+  return {};
+}
 
 inline bool is_smooth(const Form& form) { return form.name.starts_with(kAnySmooth); }
 /// Whether every level of a condition has a value of its own: what lies between is not known.
@@ -33,7 +42,7 @@ inline bool is_of_levels(const Form& form) {
 }
 /// Whether a form is for the end of a search: it says little that the others of its cause do not.
 inline bool is_refinement(const Form& form) {
-  return is_smooth(form) || form.name.ends_with(kByTorque);
+  return is_smooth(form) || !load_variable(form).empty();
 }
 
 /// Where a smooth curve has values of its own: those of x that are given, or even ones.

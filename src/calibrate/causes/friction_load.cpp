@@ -59,12 +59,20 @@ std::vector<Form> forms(const Occasion& o) {
   add_free_shapes(free, values, result);
   for (std::size_t k = first; k < result.size(); ++k) result[k].name += kByTorque;
   std::erase_if(result, [](const Form& form) { return form.name == "any_shape_by_torque"; });
+  // Meshes made for equal pressures follow their own forces, which losses set apart: a steep law
+  // then differs with the direction.
+  for (const std::string_view name : {kAnyLevel, kAnyCurve}) {
+    free.name = std::string(name) + std::string(kByShare);
+    free.weight = 0.0;
+    result.push_back(free);
+  }
   return result;
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
   auto& f = m.gearbox.friction;
-  f.load_is_torque = form.name.ends_with(kByTorque);
+  f.share_is_of_force = load_variable(form) == kByShare;
+  f.load_is_torque = !load_variable(form).empty();
   f.reference_force_N = form.constant(f.load_is_torque ? kTorque : "reference_load");
   if (is_smooth(form)) {
     change_smoothly(form, p, f.load_bend, m);

@@ -56,9 +56,9 @@ bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form) {
     return false;
   }
   // As many parameters, but by each mesh's own share of the load or by its force.
-  const bool other_variable =
-      own.form.weight == 0.0 && form.parameters.size() == own.parameters.size() &&
-      form.form.name.ends_with(kByTorque) != own.form.name.ends_with(kByTorque);
+  const bool other_variable = own.form.weight == 0.0 &&
+                              form.parameters.size() == own.parameters.size() &&
+                              load_variable(form.form) != load_variable(own.form);
   // As many, but of the levels that the data have.
   const bool levels = is_of_levels(form.form) && !is_smooth(own.form) &&
                       form.parameters.size() == own.parameters.size();
@@ -122,9 +122,11 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
   for (bool again = true; again;) {
     again = false;
     for (std::size_t e = 0; e < best.hypothesis().effects.size(); ++e) {
+      // All from the same fit: the first that is better may be another one's likeness.
+      const Hypothesis from = best.hypothesis();
       for (const Candidate& form : all) {
-        if (!may_free(best.hypothesis(), e, form)) continue;
-        again = best.offer(in_form(best.hypothesis(), e, form)) || again;
+        if (!may_free(from, e, form)) continue;
+        again = best.offer(in_form(from, e, form)) || again;
       }
     }
     again = again || offer_own_level(all, best);
@@ -140,7 +142,7 @@ std::optional<Candidate> likeliest_smooth(const Problem& problem, const std::vec
   std::vector<Candidate> smooth;
   for (const Candidate& c : all) {
     const bool plain =
-        c.form.name == kAnySmooth || (is_of_levels(c.form) && !c.form.name.ends_with(kByTorque));
+        c.form.name == kAnySmooth || (is_of_levels(c.form) && load_variable(c.form).empty());
     if (plain && !has_cause(rest, c.cause)) smooth.push_back(c);
   }
   if (smooth.size() < 2) return smooth.empty() ? std::nullopt : std::optional(smooth.front());

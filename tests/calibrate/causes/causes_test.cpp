@@ -572,6 +572,29 @@ TEST_F(OnTransmission, ALawOfTheTorqueChangesAllMeshesByTheSameFactor) {
   }
 }
 
+TEST_F(OnTransmission, AMeshsOwnShareIsThatOfTheTorqueButForLosses) {
+  const auto by = [](const char* name) {
+    return one(
+        "friction_load",
+        {.name = name, .constants = {{.name = "reference_torque", .unit = "Nm", .value = 15.0}}},
+        {1.2, 0.0});
+  };
+  rig::Gearbox smooth = rig::bilateral_drive_gear();
+  smooth.friction = 1e-6;
+  const Simulation lossless(design_of(smooth), Kind::kTransmission);
+  for (const Condition& c : {forward_, backward_}) {
+    const double none = simulated(lossless, c);
+    const double torque_law = simulated(lossless, c, by("any_level_by_torque")) - none;
+    const double share_law = simulated(lossless, c, by("any_level_by_share")) - none;
+    EXPECT_NEAR(share_law, torque_law, 1e-3 * std::abs(torque_law));
+    // With losses the sun's mesh carries more forward and less backward.
+    const double sign = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+    EXPECT_GT(sign * (std::abs(torque(c, by("any_level_by_share")) - torque(c)) -
+                      std::abs(torque(c, by("any_level_by_torque")) - torque(c))),
+              0.0);
+  }
+}
+
 TEST_F(OnTransmission, ASmoothLawIsALevelAtItsPlaces) {
   const std::vector<double> log_change{0.4, 0.1, -0.2, -0.1};
   const Hypothesis law =
@@ -812,6 +835,24 @@ TEST_P(OnLostMotion, TwoStagesAreSoftUpToATorque) {
   EXPECT_NEAR(wound(1.0), 0.8 + 1.5 / 4.0, kAngle);
   EXPECT_NEAR(wound(4.0), 3.2 + 1.5, kAngle);
   EXPECT_NEAR(wound(6.0), 4.8 + 1.5, kAngle);
+  EXPECT_NEAR(wound(0.0), 0.0, kAngle);
+}
+
+TEST_P(OnLostMotion, APreloadMakesTheWindUpGoWithTheLogarithmOfTheTorque) {
+  const Form form =
+      with_constants("preloaded", {{.name = "preload_torque", .unit = "Nm", .value = 0.5},
+                                   {.name = "torque_half_range", .unit = "", .value = 2.0},
+                                   {.name = "hardening_torque", .unit = "Nm", .value = 7.0}});
+  const Hypothesis h = one("compliance", form, {0.4, std::log(2.0)}, GetParam());
+  const auto wound = [&](double torque_Nm) {
+    Condition c = row_;
+    c.test_torque_Nm = torque_Nm;
+    return arcmin(c, h) - arcmin(c);
+  };
+  // A preload of 1 N m: from 0 to 1 N m as far as from 1 to 3 and from 3 to 7.
+  EXPECT_NEAR(wound(7.0), 2.0 * 7.0 * 0.4, kAngle);
+  EXPECT_NEAR(wound(1.0), wound(7.0) / 3.0, kAngle);
+  EXPECT_NEAR(wound(3.0), wound(7.0) * 2.0 / 3.0, kAngle);
   EXPECT_NEAR(wound(0.0), 0.0, kAngle);
 }
 

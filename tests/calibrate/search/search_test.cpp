@@ -258,5 +258,50 @@ TEST(SearchOfLostMotion, TellsPlayFromWindUpThatIsSoftAtItsBeginning) {
   EXPECT_EQ(names_of(search_in(simulation, data, {}, noise_rad, 1)), Names{});
 }
 
+/// Lost motion of joints whose stiffness grows with the torque, K = K_0 (1 + (T/T_p)^power), by
+/// sums over small steps of the torque; arcmin both ways.
+double wound_arcmin(double torque_Nm, double soft_arcmin_Nm, double preload_Nm, double power) {
+  constexpr int kSteps = 2000;
+  double wound = 0.0;
+  for (int k = 0; k < kSteps; ++k) {
+    const double at_Nm = (k + 0.5) * torque_Nm / kSteps;
+    wound += torque_Nm / kSteps * soft_arcmin_Nm / (1.0 + std::pow(at_Nm / preload_Nm, power));
+  }
+  return 2.0 * wound;
+}
+
+TEST(SearchOfLostMotion, NamesOneWindUpWhoseStiffnessGrowsWithTheTorque) {
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
+  const auto found = [&](double soft_arcmin_Nm, double power, std::uint64_t seed) {
+    rig::DeterministicRandom random(seed);
+    MeasurementSet data;
+    data.kind = Kind::kLostMotion;
+    for (int repeat = 0; repeat < 25; ++repeat) {
+      for (const double torque_Nm : {2.5, 8.0, 18.0}) {
+        Observation row;
+        row.condition.test_torque_Nm = torque_Nm;
+        const double wound = wound_arcmin(torque_Nm, soft_arcmin_Nm, 7.0, power);
+        row.response = rig::lost_motion_arcmin(rig::bilateral_drive_gear(),
+                                               {.output_torque_Nm = 3.0, .temperature_c = 20.0}) +
+                       wound + 0.1 * random.normal();
+        row.response *= units::kArcmin;
+        data.rows.push_back(row);
+      }
+    }
+    const Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+    return search_causes(problem, candidates_for(simulation, data), {});
+  };
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const SearchResult growing = found(0.14, 1.0, seed);
+    EXPECT_EQ(names_of(growing), Names{"compliance"}) << seed;
+    EXPECT_EQ(growing.fit.hypothesis.effects.front().form.name, "preloaded") << seed;
+    // Straight, stiffness does not change: nothing of the kind.
+    const SearchResult straight = found(0.14, 0.0, seed);
+    EXPECT_EQ(names_of(straight), Names{"compliance"}) << seed;
+    EXPECT_EQ(straight.fit.hypothesis.effects.front().form.name, "output") << seed;
+    EXPECT_EQ(names_of(found(0.0, 1.0, seed)), Names{}) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::search_test
