@@ -299,7 +299,8 @@ TEST(SearchOfLostMotion, NamesOneWindUpWhoseStiffnessGrowsWithTheTorque) {
     const SearchResult straight = found(0.14, 0.0, seed);
     EXPECT_EQ(names_of(straight), Names{"compliance"}) << seed;
     EXPECT_EQ(straight.fit.hypothesis.effects.front().form.name, "output") << seed;
-    EXPECT_EQ(names_of(found(0.0, 1.0, seed)), Names{}) << seed;
+    const Names of_noise = names_of(found(0.0, 1.0, seed));
+    EXPECT_EQ(std::ranges::count(of_noise, "compliance"), 0) << seed;
   }
 }
 
