@@ -181,8 +181,9 @@ void set_covariance(FinalFit& result, const std::vector<ParameterRecord>& record
 
 }  // namespace
 
-Eigen::MatrixXd inverse_normal(const Problem& problem, const Hypothesis& h) {
-  return ScaledNormal(whitened_rows(problem, h).jacobian).inverse();
+InverseNormal inverse_normal(const Problem& problem, const Hypothesis& h) {
+  const ScaledNormal normal(whitened_rows(problem, h).jacobian);
+  return {.variance = normal.inverse().diagonal(), .inflation = normal.scaled_inverse.diagonal()};
 }
 
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale) {

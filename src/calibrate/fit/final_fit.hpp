@@ -28,8 +28,12 @@ struct FinalFit {
 /// @param start  a fit already
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale);
 
-/// (JᵀJ)⁻¹ of the whitened derivatives by a hypothesis' parameters; of what the rows do not
-/// determine the pseudoinverse.
-Eigen::MatrixXd inverse_normal(const Problem& problem, const Hypothesis& h);
+/// What the rows say of a hypothesis' parameters together, J the whitened derivatives.
+struct InverseNormal {
+  Eigen::VectorXd
+      variance;  ///< diagonal of (JᵀJ)⁻¹; of what they do not determine the pseudoinverse
+  Eigen::VectorXd inflation;  ///< of it by the other parameters: 1/(1 − R²), Marquardt 1970
+};
+InverseNormal inverse_normal(const Problem& problem, const Hypothesis& h);
 
 }  // namespace gear3k::calibrate

@@ -80,39 +80,93 @@ struct Spot {
 
 /// Less of the misfit than this is none.
 constexpr double kNoGain = 1e-4;
+/// A step that gains less than this is not taken.
+constexpr double kNoStep = 1e-6;
 /// A step is halved so often.
 constexpr int kStepHalves = 6;
 
-/// Gauss-Newton step from a place on.
-/// @param scale  standard deviation of the whitened rows
-Eigen::VectorXd step_from(const Spot& from, const std::vector<ParameterRecord>& records,
-                          double scale) {
-  // Far from the fit all rows are off: they are no outliers yet, and clipped they would hold it
-  // back.
+/// A step, and by how much the misfit falls at least where responses are linear along it.
+struct Step {
+  Eigen::VectorXd change;
+  double gain = 0.0;
+};
+
+/// Gauss-Newton step from a fit far off, where all rows are: they are no outliers yet.
+Step far_step(const Spot& from, const std::vector<ParameterRecord>& records, double scale) {
   const double wide = std::max(scale, robust_deviation(from.rows.residual));
-  return step_inside(from.rows.jacobian, winsorised(from.rows.residual, wide), records, from.value);
+  return {.change = step_inside(from.rows.jacobian, winsorised(from.rows.residual, wide), records,
+                                from.value),
+          .gain = HUGE_VAL};
 }
+
+/// Step to the least of the square that has Huber's function below it and touches it at every
+/// residual, Σ w_i (r_i − J_i Δ)² with w_i = min(1, kWinsor σ/|r_i|).
+/// Source: Huber and Ronchetti, Robust Statistics, 2009, section 7.8 (modified weights).
+Step near_step(const Spot& from, const std::vector<ParameterRecord>& records, double scale) {
+  const Eigen::VectorXd& residual = from.rows.residual;
+  const double bound = kWinsor * scale;
+  Eigen::VectorXd root = Eigen::VectorXd::Ones(residual.size());
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    const double size = std::abs(residual[i]);
+    if (size > bound) root[i] = std::sqrt(bound / size);
+  }
+  const Eigen::MatrixXd jacobian = root.asDiagonal() * from.rows.jacobian;
+  const Eigen::VectorXd weighted = root.cwiseProduct(residual);
+  Step step{.change = step_inside(jacobian, weighted, records, from.value)};
+  step.gain = (weighted.squaredNorm() - (weighted - jacobian * step.change).squaredNorm()) /
+              (scale * scale);
+  return step;
+}
+
+/// Chooses the steps of a descent.
+class Steps {
+ public:
+  Steps(const std::vector<ParameterRecord>& records, double scale)
+      : records_(records), scale_(scale) {}
+  [[nodiscard]] bool is_far() const { return far_; }
+  [[nodiscard]] Step from(const Spot& at) const {
+    return far_ ? far_step(at, records_, scale_) : near_step(at, records_, scale_);
+  }
+  /// What a step gained: far off are those that gain much.
+  void learn(double before, double after) {
+    constexpr double kMuch = 0.1;
+    far_ = far_ && after < (1.0 - kMuch) * before;
+  }
+
+ private:
+  const std::vector<ParameterRecord>& records_;
+  double scale_;
+  bool far_ = true;
+};
 
 /// Downhill, while the gearbox is that of the rows nearby; up to where a whole step leaves them.
 Spot downhill(const NearbyRows& nearby, Spot at, const std::vector<ParameterRecord>& records,
-              double scale) {
+              double scale, Steps steps) {
   // Rows far off move a fit by a few deviations a pass only.
   constexpr int kPasses = 60;
   bool improved = true;
   for (int pass = 0; pass < kPasses && improved; ++pass) {
-    const Eigen::VectorXd step = step_from(at, records, scale);
+    const Step step = steps.from(at);
+    if (step.gain < kNoStep) break;
+    const double before = at.sum;
     improved = false;
     double share = 1.0;
     for (int half = 0; half < kStepHalves; ++half, share *= 0.5) {
-      Spot next{.value = moved(at.value, share * step, records), .rows = {}};
+      Spot next{.value = moved(at.value, share * step.change, records), .rows = {}};
       next.rows = nearby.whitened_at(next.value);
       if (half == 0 && !next.rows.runs) return at;
       next.sum = misfit(next.rows, scale);
-      if (!(next.sum <= at.sum)) continue;
+      if (!(next.sum <= at.sum)) {
+        if (steps.is_far()) break;
+        continue;
+      }
       improved = at.sum - next.sum > kNoGain;
       at = std::move(next);
       break;
     }
+    const bool was_far = steps.is_far();
+    steps.learn(before, at.sum);
+    improved = improved || (was_far && !steps.is_far());
   }
   return at;
 }
@@ -124,6 +178,7 @@ class Descent {
       : problem_(problem),
         records_(parameters_of(start)),
         scale_(scale),
+        steps_(records_, scale),
         h_(std::move(start)),
         nearby_(simulated_at(h_)),
         at_{.value = h_.value, .rows = nearby_.whitened_at(h_.value)} {
@@ -133,17 +188,11 @@ class Descent {
   /// A pass.
   /// @returns whether it gained
   bool improve() {
-    if (at_.rows.runs) {
-      Spot below = downhill(nearby_, at_, records_, scale_);
-      const bool is_lower = at_.sum - below.sum > kNoGain;
-      if (nearby_.is_exact_at(below.value)) {
-        at_ = std::move(below);
-      } else if (is_lower && advance(as_vector(below.value) - as_vector(at_.value))) {
-        return true;
-      }
-    }
-    // Where what is lower nearby is not so in truth, and in the end, by a step of Gauss and Newton.
-    return advance(step_from(at_, records_, scale_));
+    const double before = at_.sum;
+    const bool was_far = steps_.is_far();
+    const bool gained = pass();
+    steps_.learn(before, at_.sum);
+    return gained || (was_far && !steps_.is_far());
   }
 
   Fit result() && {
@@ -155,6 +204,21 @@ class Descent {
   }
 
  private:
+  bool pass() {
+    if (at_.rows.runs) {
+      Spot below = downhill(nearby_, at_, records_, scale_, steps_);
+      const bool is_lower = at_.sum - below.sum > kNoGain;
+      if (nearby_.is_exact_at(below.value)) {
+        at_ = std::move(below);
+      } else if (is_lower && advance(as_vector(below.value) - as_vector(at_.value))) {
+        return true;
+      }
+    }
+    // Where what is lower nearby is not so in truth, and in the end, by a step of Gauss and Newton.
+    const Step step = steps_.from(at_);
+    return !(step.gain < kNoStep) && advance(step.change);
+  }
+
   /// With room for levels of friction to move in, unless the gearbox locks at some of these.
   [[nodiscard]] NearbyRows simulated_at(const Hypothesis& h) const {
     constexpr double kRoom = 0.12;
@@ -178,7 +242,10 @@ class Descent {
         trial.rows = there->whitened_at(next.value);
       }
       trial.sum = misfit(trial.rows, scale_);
-      if (!(trial.sum <= at_.sum)) continue;
+      if (!(trial.sum <= at_.sum)) {
+        if (steps_.is_far()) return false;
+        continue;
+      }
       const bool improved = at_.sum - trial.sum > kNoGain;
       at_ = std::move(trial);
       if (there) nearby_ = std::move(*there);
@@ -190,6 +257,7 @@ class Descent {
   const Problem& problem_;
   std::vector<ParameterRecord> records_;
   double scale_;
+  Steps steps_;
   Hypothesis h_;
   NearbyRows nearby_;
   Spot at_;
@@ -220,6 +288,14 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
     if (!descent.improve()) break;
   }
   return std::move(descent).result();
+}
+
+std::vector<Fit> fit_all(const Problem& problem, const std::vector<Hypothesis>& starts,
+                         double scale) {
+  std::vector<Fit> fits(starts.size());
+  for_fits(problem, starts.size(),
+           [&](std::size_t k) { fits[k] = fit(problem, starts[k], scale); });
+  return fits;
 }
 
 }  // namespace gear3k::calibrate

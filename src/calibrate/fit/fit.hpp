@@ -2,8 +2,11 @@
 // Least squares of a hypothesis, by Gauss-Newton steps.
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <vector>
 
 #include "calibrate/fit/linearisation.hpp"
+#include "numerics/parallel.hpp"
 
 namespace gear3k::calibrate {
 
@@ -20,6 +23,16 @@ inline constexpr double kWinsor = 3.0;
 /// Least squares of a hypothesis from its values on, by Gauss-Newton steps inside the bounds.
 /// @param scale  standard deviation of the whitened rows, for the treatment of outliers
 Fit fit(const Problem& problem, Hypothesis start, double scale);
+
+/// Each hypothesis by itself, in threads where rows are few (kManyRows).
+std::vector<Fit> fit_all(const Problem& problem, const std::vector<Hypothesis>& starts,
+                         double scale);
+
+/// body(k) of independent fits, as fit_all().
+template <class Body>
+void for_fits(const Problem& problem, std::size_t count, const Body& body) {
+  numerics::parallel_for(count, body, count > 1 && problem.data.rows.size() < kManyRows);
+}
 
 /// Whether a parameter stands at an end of its range that a step would cross.
 bool leaves_range(const ParameterRecord& record, double value, double step);

@@ -13,8 +13,6 @@ namespace gear3k::calibrate {
 namespace {
 
 constexpr int kSlots = kSlotsBesideLevel;
-/// From here on rows are simulated in parallel.
-constexpr std::size_t kManyRows = 2000;
 
 /// Candidates that one pass of derivatives carries.
 struct Pass {
@@ -197,17 +195,19 @@ Eigen::MatrixXd derivatives_by(const std::vector<Candidate>& others,
     };
     const Modification& reading = readings.under(condition);
     for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
-      const std::optional<Scalar> response = of_pass[k].of_row(row, reading.friction_level);
+      const auto response = of_pass[k].of_row(row, reading.friction_level.a);
       if (!response) continue;
+      const Scalar under = response->at(reading.friction_level, true);
       // Of pairs a loss beside the mesh is read with it.
       const bool of_pairs = kind == Kind::kPairLoss;
       const Modification& m = of_pairs ? readings.with(in_gearbox[k], others, condition) : reading;
-      store(in_gearbox[k], simulation.reading(*response, condition, m));
+      store(in_gearbox[k], simulation.reading(under, condition, m));
     }
     for (const Pass& pass : in_reading) {
       const Modification& m = readings.with(pass, others, condition);
-      const std::optional<Scalar> response = plain.by_level(row, m.friction_level);
-      if (response) store(pass, simulation.reading(*response, condition, m));
+      const auto response = plain.of_row(row, m.friction_level.a);
+      if (!response) continue;
+      store(pass, simulation.reading(response->at(m.friction_level, false), condition, m));
     }
   });
   return result;
@@ -229,23 +229,26 @@ NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
     levels_.log_low -= room;
     levels_.log_high += room;
   }
+  std::size_t k = 0;
   for (const Candidate& c : about_.effects) {
     const bool acts = c.cause->place == Place::kGearbox && !changes_row_friction(c);
-    in_gearbox_.insert(in_gearbox_.end(), c.parameters.size(), acts);
+    for (std::size_t j = 0; j < c.parameters.size(); ++j, ++k) {
+      if (acts) acting_.push_back(k);
+    }
   }
   // As many parameters at a time as there are slots.
-  for (std::size_t first = 0; first == 0 || first < about_.value.size(); first += kSlots) {
-    const auto variables = variables_of(about_.value, first, kSlots);
+  for (std::size_t first = 0; first == 0 || first < acting_.size(); first += kSlots) {
+    auto variables = constants_of(about_.value);
+    for (std::size_t j = first; j < std::min<std::size_t>(first + kSlots, acting_.size()); ++j) {
+      variables[acting_[j]] = Scalar(about_.value[acting_[j]], static_cast<int>(j - first));
+    }
     gearbox_.emplace_back(problem.states, problem.simulation,
                           gearbox_under(problem.simulation, about_, variables), levels_);
   }
 }
 
 bool NearbyRows::is_exact_at(const std::vector<double>& value) const {
-  for (std::size_t k = 0; k < value.size(); ++k) {
-    if (in_gearbox_[k] && value[k] != about_.value[k]) return false;
-  }
-  return true;
+  return std::ranges::all_of(acting_, [&](std::size_t k) { return value[k] == about_.value[k]; });
 }
 
 Linearisation NearbyRows::at(const std::vector<double>& value) const {
@@ -257,18 +260,14 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
                        .own = Eigen::MatrixXd::Zero(n, parameters),
                        .other = {}};
   std::atomic<bool> all_run = true;
-  for (std::size_t block = 0; block < gearbox_.size(); ++block) {
-    const auto begin = static_cast<Eigen::Index>(block) * kSlots;
-    const Eigen::Index slots = std::min<Eigen::Index>(kSlots, parameters - begin);
-    const auto variables = variables_of(value, static_cast<std::size_t>(begin), kSlots);
-    for_rows(*problem_, about_, variables,
+  // As many parameters at a time as there are slots.
+  for (std::size_t first = 0; first == 0 || first < value.size(); first += kSlots) {
+    const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
+    for_rows(*problem_, about_, variables_of(value, first, kSlots),
              [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
                const Condition& condition = problem_->data.rows[row].condition;
                const Modification& reading = readings.under(condition);
-               std::optional<Scalar> response;
-               if (levels_.holds(reading.friction_level.a)) {
-                 response = gearbox_[block].of_row(row, reading.friction_level);
-               }
+               auto response = response_of(row, reading.friction_level, first, end);
                if (!response) {
                  all_run = false;
                  return;
@@ -276,11 +275,40 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
                response->a += change[i];
                const Scalar y = simulation.reading(*response, condition, reading);
                result.simulated[i] = y.a;
-               if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
+               const auto count = static_cast<Eigen::Index>(end - first);
+               result.own.row(i).segment(static_cast<Eigen::Index>(first), count) =
+                   y.v.head(count).transpose();
              });
   }
   result.runs = all_run;
   return result;
+}
+
+std::optional<Scalar> NearbyRows::response_of(std::size_t row, const Scalar& level,
+                                              std::size_t first, std::size_t end) const {
+  if (!levels_.holds(level.a)) return std::nullopt;
+  std::optional<Scalar> result;
+  for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+    const auto acting = acting_of_block(block);
+    const bool counts =
+        std::ranges::any_of(acting, [&](std::size_t k) { return k >= first && k < end; });
+    if (block > 0 && !counts) continue;
+    const auto response = gearbox_[block].of_row(row, level.a);
+    if (!response) return std::nullopt;
+    if (!result) result = response->at(level, false);
+    for (std::size_t j = 0; j < acting.size(); ++j) {
+      const std::size_t k = acting[j];
+      if (k < first || k >= end) continue;
+      result->v[static_cast<Eigen::Index>(k - first)] +=
+          response->by_gearbox[static_cast<Eigen::Index>(j)];
+    }
+  }
+  return result;
+}
+
+std::span<const std::size_t> NearbyRows::acting_of_block(std::size_t block) const {
+  const std::size_t first = block * kSlots;
+  return std::span(acting_).subspan(first, std::min<std::size_t>(kSlots, acting_.size() - first));
 }
 
 Eigen::VectorXd NearbyRows::change_in_gearbox(const std::vector<double>& value) const {
@@ -288,20 +316,19 @@ Eigen::VectorXd NearbyRows::change_in_gearbox(const std::vector<double>& value) 
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->data.rows.size()));
   if (is_exact_at(value)) return change;
   const auto constants = constants_of(value);
-  for_rows(
-      *problem_, about_, constants, [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
-        const Modification& reading = readings.under(problem_->data.rows[row].condition);
-        for (std::size_t block = 0; block < gearbox_.size(); ++block) {
-          const auto response = gearbox_[block].of_row(row, reading.friction_level);
-          const std::size_t first = block * kSlots;
-          const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
-          for (std::size_t k = first; response && k < end; ++k) {
-            if (!in_gearbox_[k]) continue;
-            change[i] +=
-                response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
-          }
-        }
-      });
+  for_rows(*problem_, about_, constants,
+           [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
+             const Modification& reading = readings.under(problem_->data.rows[row].condition);
+             for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+               const auto response = gearbox_[block].of_row(row, reading.friction_level.a);
+               if (!response) continue;
+               const auto acting = acting_of_block(block);
+               for (std::size_t j = 0; j < acting.size(); ++j) {
+                 change[i] += response->by_gearbox[static_cast<Eigen::Index>(j)] *
+                              (value[acting[j]] - about_.value[acting[j]]);
+               }
+             }
+           });
   return change;
 }
 

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "calibrate/measurement/noise.hpp"
@@ -12,6 +14,9 @@
 #include "calibrate/model/simulation.hpp"
 
 namespace gear3k::calibrate {
+
+/// From here on the rows of one fit are simulated and read in threads; of fewer, several fits are.
+inline constexpr std::size_t kManyRows = 2000;
 
 /// Data, simulation and noise that belong together.
 struct Problem {
@@ -62,11 +67,17 @@ class NearbyRows {
   /// Of each row's response, by the parameters that act in the gearbox.
   [[nodiscard]] Eigen::VectorXd change_in_gearbox(const std::vector<double>& value) const;
 
+  /// A row's response before change_in_gearbox(), with derivatives by the parameters [first, end).
+  [[nodiscard]] std::optional<Scalar> response_of(std::size_t row, const Scalar& level,
+                                                  std::size_t first, std::size_t end) const;
+  /// Of the parameters that act in the gearbox, those of one simulation.
+  [[nodiscard]] std::span<const std::size_t> acting_of_block(std::size_t block) const;
+
   const Problem* problem_;
   Hypothesis about_;
   LevelRange levels_;
-  std::vector<bool> in_gearbox_;            ///< by parameter
-  std::vector<LevelledResponses> gearbox_;  ///< by block of parameters
+  std::vector<std::size_t> acting_;         ///< parameters that act in the gearbox
+  std::vector<LevelledResponses> gearbox_;  ///< by block of them
 };
 
 /// Measured responses.

@@ -81,37 +81,31 @@ LevelledResponses::LevelledResponses(const RowStates& states, const Simulation& 
   }
 }
 
-std::optional<Scalar> LevelledResponses::of_row(std::size_t row, const Scalar& level) const {
-  if (at_.size() == 1) return at_.front().of_row(row);
-  const double x = std::clamp(level.a, level_.front(), level_.back());
-  const Polynomials at(level_, x);
-  Scalar result(0.0);
-  double slope = 0.0;
-  for (std::size_t j = 0; j < at_.size(); ++j) {
-    const std::optional<Scalar> y = at_[j].of_row(row);
-    if (!y) return std::nullopt;
-    const double by_level = y->v[kSlotsBesideLevel];
-    result.a += at.h[j] * y->a + at.k[j] * by_level;
-    result.v += at.lagrange[j] * y->v;
-    slope += at.h_slope[j] * y->a + at.k_slope[j] * by_level;
-  }
-  result.v[kSlotsBesideLevel] = 0.0;
-  // Beyond the levels the response stays as it is.
-  if (x == level.a) result.v += slope * level.v;
+Scalar LevelledResponse::at(const Scalar& level, bool with_gearbox) const {
+  Scalar result(value, by_level * level.v);
+  if (with_gearbox) result.v += by_gearbox;
   return result;
 }
 
-std::optional<Scalar> LevelledResponses::by_level(std::size_t row, const Scalar& level) const {
+std::optional<LevelledResponse> LevelledResponses::of_row(std::size_t row, double level) const {
   if (at_.size() == 1) {
     const std::optional<Scalar> y = at_.front().of_row(row);
-    return y ? std::optional(Scalar(y->a)) : std::nullopt;
+    if (!y) return std::nullopt;
+    return LevelledResponse{.value = y->a, .by_gearbox = y->v};
   }
-  Scalar plain(level.a);
-  const std::optional<Scalar> y = of_row(row, level);
-  const std::optional<Scalar> inner = y ? of_row(row, plain) : std::nullopt;
-  if (!inner) return std::nullopt;
-  Scalar result(y->a);
-  result.v = y->v - inner->v;
+  const double x = std::clamp(level, level_.front(), level_.back());
+  const Polynomials at(level_, x);
+  LevelledResponse result{.by_gearbox = decltype(result.by_gearbox)::Zero()};
+  for (std::size_t j = 0; j < at_.size(); ++j) {
+    const std::optional<Scalar> y = at_[j].of_row(row);
+    if (!y) return std::nullopt;
+    const double slope = y->v[kSlotsBesideLevel];
+    result.value += at.h[j] * y->a + at.k[j] * slope;
+    result.by_gearbox += at.lagrange[j] * y->v;
+    result.by_level += at.h_slope[j] * y->a + at.k_slope[j] * slope;
+  }
+  result.by_gearbox[kSlotsBesideLevel] = 0.0;
+  if (x != level) result.by_level = 0.0;
   return result;
 }
 

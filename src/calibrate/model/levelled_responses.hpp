@@ -1,6 +1,7 @@
 #pragma once
 // The gearbox's responses in rows whose friction stands at levels of their own.
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -23,6 +24,16 @@ struct LevelRange {
 /// Slots that a gearbox's own derivatives may take where levels count: the last one is the level's.
 inline constexpr int kSlotsBesideLevel = kMaxVariables - 1;
 
+/// A response with its derivatives.
+struct LevelledResponse {
+  double value = 0.0;
+  Eigen::Matrix<double, kMaxVariables, 1> by_gearbox;  ///< the gearbox's own, by slot
+  double by_level = 0.0;
+
+  /// With the derivatives of a level, and of the gearbox if wanted.
+  [[nodiscard]] Scalar at(const Scalar& level, bool with_gearbox) const;
+};
+
 /// Responses by row and level of friction.
 ///
 /// Where levels vary the gearbox is simulated at three of them x_j, the least, the greatest and
@@ -42,10 +53,8 @@ class LevelledResponses {
   LevelledResponses(const RowStates& states, const Simulation& simulation,
                     const Modification& gearbox, const LevelRange& levels);
 
-  /// With the derivatives of gearbox and level.
-  [[nodiscard]] std::optional<Scalar> of_row(std::size_t row, const Scalar& level) const;
-  /// The same with the derivatives of the level alone.
-  [[nodiscard]] std::optional<Scalar> by_level(std::size_t row, const Scalar& level) const;
+  /// Beyond the levels the response stays as it is.
+  [[nodiscard]] std::optional<LevelledResponse> of_row(std::size_t row, double level) const;
 
  private:
   std::vector<double> level_;  ///< of each set; one set: of any level

@@ -14,9 +14,10 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Fewer simulations than these are not worth threads: where friction depends on the tooth forces
-/// one takes about ten microseconds (benchmarks/many_rows).
-constexpr std::size_t kManySimulations = 16;
+/// Fewer simulations than these are not worth threads: one takes 2 to 12 microseconds
+/// (benchmarks/many_rows), and on a machine with other work threads wait milliseconds for each
+/// other.
+constexpr std::size_t kManySimulations = 512;
 constexpr std::size_t kManyTemperatures = 64;
 constexpr std::size_t kPoints = 17;
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "calibrate/fit/fit.hpp"
 #include "calibrate/fit/screen.hpp"
@@ -31,6 +32,15 @@ class BestFit {
   bool offer(Hypothesis h) {
     if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return false;
     return offer(fit(problem_, std::move(h), scale_));
+  }
+  /// As if offered one after the other.
+  bool offer_all(std::vector<Hypothesis> some) {
+    std::erase_if(some, [](const Hypothesis& h) {
+      return h.value.size() > static_cast<std::size_t>(kMostParameters);
+    });
+    bool better = false;
+    for (Fit& trial : fit_all(problem_, some, scale_)) better = offer(std::move(trial)) || better;
+    return better;
   }
   [[nodiscard]] const Hypothesis& hypothesis() const { return fit_->hypothesis; }
   [[nodiscard]] Fit take() && { return std::move(*fit_); }

@@ -23,15 +23,26 @@ struct FreerFit {
 class FreerFits {
  public:
   FreerFits(const Problem& problem, const FinalFit& final, double scale)
-      : problem_(problem), final_(final), scale_(scale) {}
+      : problem_(problem),
+        final_(final),
+        scale_(scale),
+        own_(inverse_normal(problem, final.hypothesis)) {}
 
+  /// Of the fit itself.
+  [[nodiscard]] const InverseNormal& own() const { return own_; }
+
+  /// One with which the rows do not tell the parameters apart has the same thing twice (a level of
+  /// friction beside a drift that has one from its start) and is left out.
   /// @param h  that of the fit with another form in the place of an effect, or with one more
   void add(Hypothesis h, std::size_t effect) {
     if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return;
     const Fit trial = fit(problem_, std::move(h), scale_);
     if (!std::isfinite(trial.sum_of_squares)) return;
+    const InverseNormal normal = inverse_normal(problem_, trial.hypothesis);
+    constexpr double kSameTwice = 1e4;
+    if (normal.inflation.maxCoeff() > kSameTwice * own_.inflation.maxCoeff()) return;
     const double variance = final_.scale * final_.scale;
-    const Eigen::VectorXd all = variance * inverse_normal(problem_, trial.hypothesis).diagonal();
+    const Eigen::VectorXd all = variance * normal.variance;
     const Hypothesis& own = final_.hypothesis;
     FreerFit result{.effect = effect,
                     .aic = trial.sum_of_squares * scale_ * scale_ / variance +
@@ -80,6 +91,7 @@ class FreerFits {
   const Problem& problem_;
   const FinalFit& final_;
   double scale_;
+  InverseNormal own_;
   std::vector<FreerFit> fits_;
 };
 
@@ -125,7 +137,7 @@ void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, d
   for (const double r : white.reshaped()) squares += huber_square(r / scale);
   const double variance = final.scale * final.scale;
   const double aic = squares * scale * scale / variance + 2.0 * static_cast<double>(h.value.size());
-  const Eigen::VectorXd alike = variance * inverse_normal(problem, h).diagonal();
+  const Eigen::VectorXd alike = variance * fits.own().variance;
   Eigen::VectorXd wider = Eigen::VectorXd::Ones(alike.size());
   for (std::size_t e = 0; e < h.effects.size(); ++e) {
     const std::size_t first = value_offset(h, e);

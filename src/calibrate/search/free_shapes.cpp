@@ -161,16 +161,18 @@ std::optional<Candidate> likeliest_smooth(const Problem& problem, const std::vec
 Fit with_fewer_bends(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale) {
   const Hypothesis h = found.hypothesis;
-  BestFit best(problem, std::move(found), scale);
+  std::vector<Hypothesis> others;
   for (std::size_t e = 0; e < h.effects.size(); ++e) {
     if (!is_smooth(h.effects[e].form)) continue;
     for (const Candidate& form : all) {
       if (form.cause == h.effects[e].cause && form.form.law == h.effects[e].form.law &&
           has_level_parameter(form.parameters) && !is_smooth(form.form)) {
-        best.offer(with(without(h, e), form));
+        others.push_back(with(without(h, e), form));
       }
     }
   }
+  BestFit best(problem, std::move(found), scale);
+  best.offer_all(std::move(others));
   return std::move(best).take();
 }
 
@@ -206,8 +208,7 @@ std::vector<Candidate> most_promising(const Problem& problem, const std::vector<
 std::vector<Fit> plain_fits(const Problem& problem, const std::vector<Candidate>& all,
                             const Hypothesis& h, std::size_t effect, double scale) {
   const Candidate& own = h.effects[effect];
-  std::optional<Fit> best;
-  std::vector<Fit> result;
+  std::vector<Hypothesis> levels, forms;
   for (const Candidate& form : all) {
     if (!(form.form.weight > 0.0)) continue;
     const bool level =
@@ -215,14 +216,12 @@ std::vector<Fit> plain_fits(const Problem& problem, const std::vector<Candidate>
     const bool plain = form.cause == own.cause && form.form.law == own.form.law &&
                        form.form.body == own.form.body && form.form.order == own.form.order;
     if (!level && !plain) continue;
-    Fit trial = fit(problem, with(without(h, effect), form), scale);
-    if (level) {
-      result.push_back(std::move(trial));
-    } else if (!best || trial.sum_of_squares < best->sum_of_squares) {
-      best = std::move(trial);
-    }
+    (level ? levels : forms).push_back(with(without(h, effect), form));
   }
-  if (best) result.push_back(std::move(*best));
+  std::vector<Fit> result = fit_all(problem, levels, scale);
+  std::vector<Fit> plain = fit_all(problem, forms, scale);
+  const auto best = std::ranges::min_element(plain, {}, &Fit::sum_of_squares);
+  if (best != plain.end()) result.push_back(std::move(*best));
   return result;
 }
 
@@ -236,9 +235,11 @@ Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all,
     if (h.effects[e].form.weight > 0.0) continue;
     for (const Fit& plain : plain_fits(problem, all, h, e, scale)) {
       best.offer(plain);
+      std::vector<Hypothesis> more;
       for (const Candidate& c : most_promising(problem, all, plain, scale)) {
-        best.offer(with(plain.hypothesis, c));
+        more.push_back(with(plain.hypothesis, c));
       }
+      best.offer_all(std::move(more));
     }
   }
   return std::move(best).take();
@@ -253,15 +254,19 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
   for (int round = 0; round < kRounds && again; ++round) {
     again = false;
     const Hypothesis h = best.hypothesis();
-    for (std::size_t e = 0; e < h.effects.size() && h.effects.size() > 1; ++e) {
-      const Fit rest = fit(problem, without(h, e), scale);
-      again = best.offer(rest) || again;
-      for (const Candidate& c : most_promising(problem, all, rest, scale)) {
+    if (h.effects.size() < 2) break;
+    std::vector<Hypothesis> rests, others;
+    for (std::size_t e = 0; e < h.effects.size(); ++e) rests.push_back(without(h, e));
+    const std::vector<Fit> left = fit_all(problem, rests, scale);
+    for (std::size_t e = 0; e < h.effects.size(); ++e) {
+      again = best.offer(left[e]) || again;
+      for (const Candidate& c : most_promising(problem, all, left[e], scale)) {
         if (c.cause != h.effects[e].cause || c.form.law != h.effects[e].form.law) {
-          again = best.offer(with(rest.hypothesis, c)) || again;
+          others.push_back(with(left[e].hypothesis, c));
         }
       }
     }
+    again = best.offer_all(std::move(others)) || again;
     exchanged = exchanged || again;
   }
   Fit result = std::move(best).take();
@@ -273,7 +278,7 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
   const Hypothesis h = found.hypothesis;
   const std::size_t count = h.effects.size();
   if (count < 2) return found;
-  BestFit best(problem, std::move(found), scale);
+  std::vector<Hypothesis> others;
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = a; b < count; ++b) {
       // No curve of a condition goes around with an angle.
@@ -285,10 +290,12 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
           rest.effects, [](const Candidate& c) { return has_level_parameter(c.parameters); });
       if (has_level) continue;
       if (const auto form = likeliest_smooth(problem, all, rest, scale)) {
-        best.offer(with(rest, *form));
+        others.push_back(with(rest, *form));
       }
     }
   }
+  BestFit best(problem, std::move(found), scale);
+  best.offer_all(std::move(others));
   const bool changed = !same_forms(best.hypothesis(), h);
   Fit result = std::move(best).take();
   if (!changed) return result;

@@ -64,7 +64,7 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
   const double total = residual.left.squaredNorm();
   // Rows that count alike need no weights: a share does not depend on the waves' unit.
   const bool alike = residual.noise.counts_rows_alike();
-  constexpr Eigen::Index kManyRows = 2000;
+  constexpr double kManyWaves = 1e5;  // rows by orders: some milliseconds
   const auto scan_part = [&](std::size_t part) {
     const int start = kFresh * static_cast<int>(part);
     Eigen::MatrixXd now = waves(phase, first + step * start);
@@ -85,7 +85,7 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
     }
   };
   numerics::parallel_for(static_cast<std::size_t>((count + kFresh - 1) / kFresh), scan_part,
-                         residual.left.size() > kManyRows);
+                         static_cast<double>(residual.left.size()) * count > kManyWaves);
   scan.best = static_cast<std::size_t>(std::ranges::max_element(scan.share) - scan.share.begin());
   const auto degrees = static_cast<double>(residual.left.size() - residual.own_basis.cols() - 2);
   const double kept = std::max(1.0 - scan.share[scan.best], 1e-12);

@@ -156,18 +156,22 @@ Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothes
   Replacement replacement;
   replacement.statistic = std::numeric_limits<double>::infinity();
   constexpr std::size_t kForms = 3;
+  std::vector<Replacement> tried;
+  std::vector<Hypothesis> starts;
   for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
     const bool has_level =
         level != nullptr && (with_level || (has_level_parameter(forms[k].parameters) &&
                                             has_cause(beside, level->cause)));
     Hypothesis h = has_level ? with_level_and(beside, *level, forms[k]) : with(beside, forms[k]);
     if (!fits_variables(h)) continue;
-    Fit trial = fit(judge.problem(), std::move(h), judge.scale());
-    const double difference = judge.difference(trial, best);
-    if (difference < replacement.statistic - kSameChi) {
-      replacement = {.candidate = forms[k], .statistic = difference, .fit = std::move(trial)};
-      replacement.with_level = has_level;
-    }
+    tried.push_back({.candidate = forms[k], .with_level = has_level, .statistic = 0.0, .fit = {}});
+    starts.push_back(std::move(h));
+  }
+  std::vector<Fit> fits = fit_all(judge.problem(), starts, judge.scale());
+  for (std::size_t k = 0; k < tried.size(); ++k) {
+    tried[k].statistic = judge.difference(fits[k], best);
+    tried[k].fit = std::move(fits[k]);
+    if (tried[k].statistic < replacement.statistic - kSameChi) replacement = std::move(tried[k]);
   }
   return replacement;
 }
@@ -368,6 +372,8 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
   const Candidate& own = result.fit.hypothesis.effects[effect];
   std::vector<Replacement> found;
   if (own.form.body.empty()) return found;
+  std::vector<const Candidate*> bodies;
+  std::vector<Hypothesis> starts;
   // Forms with harmonics are not searched for, but a body that is round in none has them too.
   for (const Candidate& c : judge.candidates()) {
     const bool searched = c.form.weight > 0.0 || own.form.order > 0.0;
@@ -379,9 +385,14 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
     h.effects[effect] = c;
     const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
     std::fill_n(first, c.parameters.size(), 0.0);
-    Replacement other{.candidate = c, .fit = fit(judge.problem(), std::move(h), judge.scale())};
-    other.statistic = judge.difference(other.fit, result.fit);
-    if (other.statistic <= kAsWell) found.push_back(std::move(other));
+    bodies.push_back(&c);
+    starts.push_back(std::move(h));
+  }
+  std::vector<Fit> fits = fit_all(judge.problem(), starts, judge.scale());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const double statistic = judge.difference(fits[k], result.fit);
+    if (statistic > kAsWell) continue;
+    found.push_back({.candidate = *bodies[k], .statistic = statistic, .fit = std::move(fits[k])});
   }
   std::ranges::stable_sort(found, {},
                            [](const Replacement& r) { return std::round(r.statistic / kSameChi); });

@@ -46,14 +46,10 @@ class Proposals {
                                             const Hypothesis& last,
                                             const std::vector<Levels>& levels, double scale,
                                             double least) const {
-    std::vector<Fit> fits;
+    std::vector<Fit> fits = fit_all(problem, sets_, scale);
     std::vector<double> score;
-    fits.reserve(sets_.size());
-    score.reserve(sets_.size());
-    for (const Hypothesis& h : sets_) {
-      fits.push_back(fit(problem, h, scale));
-      score.push_back(score_of(problem, fits.back(), scale));
-    }
+    score.reserve(fits.size());
+    for (const Fit& f : fits) score.push_back(score_of(problem, f, scale));
     std::vector<std::size_t> order(fits.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order,
@@ -68,11 +64,11 @@ class Proposals {
       fine = std::min(fine, std::max(least, robust_deviation(fits[*k].residual)));
     }
     // Laws of fixed shape leave a residue by which a wrong set may look better.
-    for (auto k = order.begin(); k != refined; ++k) {
-      Fit& one = fits[*k];
-      one = with_free_shapes(problem, all, fit(problem, one.hypothesis, fine), fine);
-      score[*k] = score_of(problem, one, fine);
-    }
+    for_fits(problem, static_cast<std::size_t>(refined - order.begin()), [&](std::size_t rank) {
+      const std::size_t k = order[rank];
+      fits[k] = with_free_shapes(problem, all, fit(problem, fits[k].hypothesis, fine), fine);
+      score[k] = score_of(problem, fits[k], fine);
+    });
     std::stable_sort(order.begin(), refined,
                      [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
     Blocks blocks;
@@ -263,10 +259,10 @@ Fit in_other_shapes(const Problem& problem, const std::vector<Candidate>& all,
 void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, const Judge& judge,
                     double scale, SearchResult& result) {
   while (true) {
-    result.effects.clear();
-    for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
-      result.effects.push_back(judge_effect(judge, result, e));
-    }
+    std::vector<FoundEffect> judged(result.fit.hypothesis.effects.size());
+    for_fits(problem, judged.size(),
+             [&](std::size_t e) { judged[e] = judge_effect(judge, result, e); });
+    result.effects = std::move(judged);
     take_better_names(judge, all, result);
     // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
     // law of slightly another shape than the true one leaves what a second cause takes up.

@@ -38,15 +38,18 @@ Fit with_freed_rests(const Problem& problem, const std::vector<Candidate>& all, 
     again = false;
     const Hypothesis h = found.hypothesis;
     double most = score_of(problem, found, scale) - kStrongLogLikelihood;
+    std::vector<Fit> trials(h.effects.size());
+    for_fits(problem, trials.size(), [&](std::size_t e) {
+      if (is_play_beside_windup(h, e)) return;
+      trials[e] = with_free_shapes(problem, all, fit(problem, without(h, e), scale), scale);
+    });
     std::optional<Fit> freed;
-    for (std::size_t e = 0; e < h.effects.size(); ++e) {
+    for (std::size_t e = 0; e < trials.size(); ++e) {
       if (is_play_beside_windup(h, e)) continue;
-      const Fit rest = fit(problem, without(h, e), scale);
-      Fit trial = with_free_shapes(problem, all, rest, scale);
-      const double score = score_of(problem, trial, scale);
-      if (same_forms(trial.hypothesis, rest.hypothesis) || !(score > most)) continue;
+      const double score = score_of(problem, trials[e], scale);
+      if (same_forms(trials[e].hypothesis, without(h, e)) || !(score > most)) continue;
       most = score;
-      freed = std::move(trial);
+      freed = std::move(trials[e]);
     }
     again = freed.has_value();
     if (freed) found = std::move(*freed);
@@ -67,7 +70,7 @@ Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& a
   stays[static_cast<std::size_t>(step - h.effects.begin())] = false;
   const Hypothesis rest = subset(h, stays);
   const double change = values_of(h, static_cast<std::size_t>(drift - h.effects.begin())).front();
-  BestFit one(problem, scale);
+  std::vector<Hypothesis> starts;
   for (const Candidate& form : all) {
     if (form.cause != drift->cause || form.form.weight > 0.0) continue;
     if (form.form.law != drift->form.law && form.form.law != step->form.law) continue;
@@ -87,10 +90,12 @@ Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& a
           }
         }
         if (!has_exponent && exponent_from > 0.0) continue;
-        one.offer(std::move(trial));
+        starts.push_back(std::move(trial));
       }
     }
   }
+  BestFit one(problem, scale);
+  one.offer_all(std::move(starts));
   return std::move(one).or_else(std::move(found), kStrongLogLikelihood);
 }
 
@@ -102,7 +107,7 @@ Fit with_one_wave(const Problem& problem, const std::vector<Candidate>& all, Fit
   for (const Candidate& c : h.effects) stays.push_back(!(c.form.order > 0.0));
   if (std::ranges::count(stays, false) < 2) return found;
   const Hypothesis rest = subset(h, stays);
-  BestFit one(problem, scale);
+  std::vector<Hypothesis> waves;
   for (const Candidate& form : all) {
     if (!(form.form.order > 0.0) || form.form.weight > 0.0) continue;
     if (std::ranges::none_of(h.effects, [&](const Candidate& c) {
@@ -110,8 +115,10 @@ Fit with_one_wave(const Problem& problem, const std::vector<Candidate>& all, Fit
         })) {
       continue;
     }
-    one.offer(with(rest, form));
+    waves.push_back(with(rest, form));
   }
+  BestFit one(problem, scale);
+  one.offer_all(std::move(waves));
   return std::move(one).or_else(std::move(found), kStrongLogLikelihood);
 }
 
@@ -203,14 +210,16 @@ std::optional<Fit> with_named_mean(const Problem& problem, const std::vector<Can
   const Candidate* const constant = constant_on(target_of(own.form.law), all, rest);
   if (constant == nullptr) return std::nullopt;
   const Fit mean = fit(problem, with(rest, *constant), scale);
-  BestFit best(problem, mean, scale);
+  std::vector<Hypothesis> changes;
   for (const Candidate& c : all) {
     const bool in_time = c.cause == own.cause || c.cause->id == "drift";
     if (in_time && c.form.law == own.form.law && c.form.weight > 0.0 &&
         !gives_each_session_a_value(c.form) && !has_cause(rest, c.cause)) {
-      best.offer(with(mean.hypothesis, c));
+      changes.push_back(with(mean.hypothesis, c));
     }
   }
+  BestFit best(problem, mean, scale);
+  best.offer_all(std::move(changes));
   return with_free_shapes(problem, all, std::move(best).take(), scale);
 }
 

@@ -50,13 +50,13 @@ TEST_F(Levelled, MeetTheSimulationWithinAnyRangeToAFactorOfFour) {
         const double change = std::abs(value(2.0) - value(0.5));
         for (const double share : {-1.0, -0.69, -0.1, 0.0, 0.39, 0.82, 1.0}) {
           const double level = std::exp(share * half);
-          const Scalar y = *responses.of_row(row, Scalar(level, 3));
+          const Scalar y = responses.of_row(row, level)->at(Scalar(level, 3), true);
           const Scalar exact = direct(row, level, losses);
           EXPECT_NEAR(y.a, exact.a, 1e-7 * change) << level;
           const double step = 1e-3 * level;
           const double slope = (value(level + step) - value(level - step)) / (2.0 * step);
           EXPECT_NEAR(y.v[3], slope, 1e-6 * std::abs(slope)) << level;
-          EXPECT_EQ(responses.by_level(row, Scalar(level, 3))->v[3], y.v[3]);
+          EXPECT_EQ(responses.of_row(row, level)->at(Scalar(level, 3), false).v[3], y.v[3]);
           for (Eigen::Index k = 0; k < exact.v.size(); ++k) {
             if (k == 3) continue;
             EXPECT_NEAR(y.v[k], exact.v[k], 3e-5 * exact.v.norm()) << level << ' ' << k;
@@ -74,7 +74,7 @@ TEST_F(Levelled, AtOneAreThoseOfTheSimulationBitForBit) {
   EXPECT_TRUE(range.varies());  // room for the derivative
   const LevelledResponses responses(states, simulation_, {}, range);
   for (std::size_t row = 0; row < data_.rows.size(); ++row) {
-    EXPECT_EQ(responses.of_row(row, Scalar(1.0))->a, direct(row, 1.0).a);
+    EXPECT_EQ(responses.of_row(row, 1.0)->value, direct(row, 1.0).a);
   }
 }
 
@@ -88,8 +88,9 @@ TEST_F(Levelled, HaveTheDerivativesOfTheGearboxBesideThoseOfTheLevel) {
   for (std::size_t row = 0; row < data_.rows.size(); ++row) {
     // A drag at the sun adds forward and takes off backward, whatever the friction.
     const bool forward = data_.rows[row].condition.direction == design::Direction::kForward;
-    EXPECT_NEAR(responses.of_row(row, Scalar(1.5, 2))->v[1], forward ? 1.0 : -1.0, 1e-9);
-    EXPECT_EQ(responses.by_level(row, Scalar(1.5, 2))->v[1], 0.0);
+    EXPECT_NEAR(responses.of_row(row, 1.5)->at(Scalar(1.5, 2), true).v[1], forward ? 1.0 : -1.0,
+                1e-9);
+    EXPECT_EQ(responses.of_row(row, 1.5)->at(Scalar(1.5, 2), false).v[1], 0.0);
   }
 }
 

@@ -65,7 +65,7 @@ TEST_F(FormDoubt, AddsWhatFreerFormsOfTheOtherLawMoveAParameterBy) {
   };
   // Of rows that scatter alike, as those of the plain fit do.
   const auto alike = [&](const FinalFit& fit, Eigen::Index k) {
-    return plain.scale * std::sqrt(inverse_normal(p, fit.hypothesis)(k, k));
+    return plain.scale * std::sqrt(inverse_normal(p, fit.hypothesis).variance[k]);
   };
   const double own = aic(plain);
   double sum = 1.0;
@@ -101,6 +101,23 @@ TEST_F(FormDoubt, AddsWhatFreerFormsOfTheOtherLawMoveAParameterBy) {
   EXPECT_NEAR(wider(1) / (exponent / sum_of_others / alike(plain, 1)), 1.0, kRounding);
   EXPECT_GT(wider(0), 1.2);
   EXPECT_EQ(wide.hypothesis.value, plain.hypothesis.value);
+}
+
+TEST_F(FormDoubt, LeavesOutALevelBesideADriftThatHasOneFromItsStart) {
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.time_s = 100.0 * static_cast<double>(i * 7 % data_.rows.size());
+  }
+  const Hypothesis drift = with(with({}, form("drag_constant", "sun")),
+                                form("drift", "levelling_any_scale_any_start_time_friction"));
+  Hypothesis truth = drift;
+  truth.value = {0.005, -0.3, 0.0, 0.3};
+  measure_evenly(truth, 0.01, 5);
+  const Problem p = problem();
+  const FinalFit plain = final_fit(p, truth, kWide);
+  FinalFit wide = plain;
+  widen_by_forms(p, candidates_for(simulation_, data_), kWide, wide);
+  // With the level its values are any that make the same sum: some thousand times as wide.
+  for (Eigen::Index k = 0; k < 4; ++k) EXPECT_LT(deviation(wide, k), 10.0 * deviation(plain, k));
 }
 
 TEST_F(FormDoubt, OfALawAloneIsNone) {
@@ -157,9 +174,10 @@ TEST(FormDoubtOfAReference, AddsWhatAConstantBesideTheLawMovesItBy) {
            2.0 * static_cast<double>(fit.hypothesis.value.size());
   };
   const double weight = std::exp(-0.5 * (aic(freer) - aic(plain)));
-  const double alike = std::sqrt(variance * inverse_normal(p, plain.hypothesis)(0, 0));
-  const double moved = std::hypot(std::sqrt(variance * inverse_normal(p, freer.hypothesis)(0, 0)),
-                                  freer.hypothesis.value[0] - plain.hypothesis.value[0]);
+  const double alike = std::sqrt(variance * inverse_normal(p, plain.hypothesis).variance[0]);
+  const double moved =
+      std::hypot(std::sqrt(variance * inverse_normal(p, freer.hypothesis).variance[0]),
+                 freer.hypothesis.value[0] - plain.hypothesis.value[0]);
   const double expected = (alike + weight * moved) / (1.0 + weight) / alike;
   EXPECT_NEAR(half(wide) / half(plain) / expected, 1.0, 1e-2);
 }
