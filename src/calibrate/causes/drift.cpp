@@ -5,6 +5,7 @@
 #include "calibrate/causes/reading_change.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
+#include "calibrate/model/simulation.hpp"
 
 namespace gear3k::calibrate::drift {
 
@@ -93,34 +94,52 @@ std::vector<Form> forms(const Occasion& o) {
   return result;
 }
 
-void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
-           Modification& m) {
+/// Share of the change so long after the start, in time constants, of the parameters behind it.
+/// @param next  the first of them; then the one behind the last
+Scalar share_at(const Form& form, std::span<const Scalar> p, double reduced, std::size_t& next) {
   using std::exp;
   using std::log;
-  const double t = holds(form, "_cycles") ? condition.cycles : condition.time_s;
-  if (!std::isfinite(t)) return;
-  const double since = t - form.constant("start");
-  const double reduced = since / form.constant("time_constant");
-  Scalar share(reduced);
-  std::size_t next = 1;
-  if (form.name.starts_with("centred")) share = Scalar(reduced - 0.5);
-  if (form.name.starts_with("dying")) share = Scalar(std::exp(-reduced));
-  if (form.name.starts_with("levelling")) {
-    const Scalar scale = holds(form, kScale) ? exp(p[next++]) : Scalar(1.0);
-    share = 1.0 - exp(Scalar(-reduced / scale));
-  }
-  if (form.name.starts_with("logarithmic")) share = log(Scalar(1.0 + reduced / exp(p[next++])));
   const auto power = [&](const Scalar& x, const Scalar& exponent) {
     return reduced > 0.0 ? Scalar(exp(Scalar(exponent * log(x)))) : Scalar(0.0);
   };
-  if (form.name.starts_with("power")) share = power(Scalar(reduced), exp(p[next++]));
+  if (form.name.starts_with("centred")) return Scalar(reduced - 0.5);
+  if (form.name.starts_with("dying")) return Scalar(std::exp(-reduced));
+  if (form.name.starts_with("levelling")) {
+    const Scalar scale = holds(form, kScale) ? exp(p[next++]) : Scalar(1.0);
+    return 1.0 - exp(Scalar(-reduced / scale));
+  }
+  if (form.name.starts_with("logarithmic")) return log(Scalar(1.0 + reduced / exp(p[next++])));
+  if (form.name.starts_with("power")) return power(Scalar(reduced), exp(p[next++]));
   if (form.name.starts_with("onset")) {
     const Scalar scale = exp(p[next++]);
-    share = 1.0 - exp(Scalar(-power(Scalar(reduced / scale), exp(p[next++]))));
+    return 1.0 - exp(Scalar(-power(Scalar(reduced / scale), exp(p[next++]))));
   }
-  Scalar change = p[0] * share;
+  return Scalar(reduced);
+}
+
+void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
+           Modification& m) {
+  const double t = holds(form, "_cycles") ? condition.cycles : condition.time_s;
+  if (!std::isfinite(t)) return;
+  const double reduced = (t - form.constant("start")) / form.constant("time_constant");
+  std::size_t next = 1;
+  Scalar change = p[0] * share_at(form, p, reduced, next);
   if (holds(form, kFrom)) change = change + p[next];
   change_reading(target_of(form.name), change, condition, kind, m);
+}
+
+/// What changed from the first to the last row, where the end that it tends to is beyond the data:
+/// the rows tell it far better than that end.
+std::vector<DerivedParameter> change_over_data(const Form& form, std::span<const Scalar> p,
+                                               const Simulation& simulation, const Modification&) {
+  if (!holds(form, kScale)) return {};
+  const double reduced = form.constant("span") / form.constant("time_constant");
+  std::size_t next = 1;
+  ParameterRecord record =
+      change_parameter("change_over_data", target_of(form.name), simulation.kind());
+  record.lower = record.plausible_low = -HUGE_VAL;
+  record.upper = record.plausible_high = HUGE_VAL;
+  return {{.record = record, .value = p[0] * share_at(form, p, reduced, next), .leads = true}};
 }
 
 /// A drift stays where it was at the last row.
@@ -149,6 +168,7 @@ const Cause cause{.id = "drift",
                   .parameters = parameters,
                   .forms = forms,
                   .apply = apply,
+                  .derived = change_over_data,
                   .leave_behind = leave_behind,
                   .as_constant = as_constant};
 

@@ -196,6 +196,20 @@ bool says_what_all_share(const MeasurementSet& data, const Hypothesis& h) {
   return squares < count * mean * mean;
 }
 
+/// Whether a drift, the last effect of a fit, is over before the rows begin, or as good as: what
+/// all rows have in common explains as well.
+bool sees_no_change(const Judge& judge, const Fit& found) {
+  const Candidate& own = found.hypothesis.effects.back();
+  if (own.cause->as_constant == nullptr || is_step(*own.cause)) return false;
+  Candidate constant{
+      .cause = own.cause, .form = own.cause->as_constant(own.form, own.form.law), .parameters = {}};
+  constant.parameters = own.cause->parameters(constant.form, judge.problem().simulation.kind());
+  const std::size_t last = found.hypothesis.effects.size() - 1;
+  const Fit alike =
+      fit(judge.problem(), with(without(found.hypothesis, last), constant), judge.scale());
+  return judge.chi(alike) <= judge.chi(found) + kPreferred;
+}
+
 /// Friction on one side of the pitch point alone is an asymmetry and a level: in the place of the
 /// level it explains what the level does.
 bool holds_level(const Candidate& c, Kind kind) {
@@ -233,7 +247,8 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
           best_replacement(judge, result.fit, gap.rest, level, with_level, forms);
       if (std::isfinite(replacement.statistic) &&
           judge.explains_as_well(replacement.fit, result.fit) &&
-          !says_what_all_share(problem.data, replacement.fit.hypothesis)) {
+          !says_what_all_share(problem.data, replacement.fit.hypothesis) &&
+          !sees_no_change(judge, replacement.fit)) {
         found.push_back(std::move(replacement));
       }
     }
