@@ -856,6 +856,39 @@ TEST_P(OnLostMotion, APreloadMakesTheWindUpGoWithTheLogarithmOfTheTorque) {
   EXPECT_NEAR(wound(0.0), 0.0, kAngle);
 }
 
+TEST_P(OnLostMotion, ADriftOfFreeScaleTellsWhatMovesFromTheFirstToTheLastRow) {
+  const std::map<std::string, std::vector<double>> values{
+      {"levelling_any_scale_time", {22.0, 3.0}},
+      {"levelling_any_scale_any_start_time", {22.0, 3.0, 1.5}},
+      {"logarithmic_any_scale_time", {2.0, -1.0}},
+      {"onset_any_scale_any_exponent_time", {4.0, 1.0, 0.7}}};
+  for (const auto& [name, value] : values) {
+    const Form form =
+        with_constants(name.c_str(), {{.name = "start", .unit = "s", .value = 1000.0},
+                                      {.name = "span", .unit = "s", .value = 400.0},
+                                      {.name = "time_constant", .unit = "s", .value = 120.0}});
+    const Hypothesis h = one("drift", form, value, GetParam());
+    const auto at = [&](double time_s) {
+      Condition c = row_;
+      c.time_s = time_s;
+      return arcmin(c, h);
+    };
+    const std::vector<Scalar> p(value.begin(), value.end());
+    const auto derived = find_cause("drift")->derived(form, p, simulation_, {});
+    ASSERT_EQ(derived.size(), 1U) << name;
+    EXPECT_EQ(derived[0].record.name, "change_over_data");
+    EXPECT_EQ(derived[0].record.unit, "arcmin");
+    EXPECT_NEAR(derived[0].value.a, at(1400.0) - at(1000.0), 1e-9) << name;
+  }
+  const Form plain =
+      with_constants("linear_time", {{.name = "start", .unit = "s", .value = 0.0},
+                                     {.name = "span", .unit = "s", .value = 1.0},
+                                     {.name = "time_constant", .unit = "s", .value = 1.0}});
+  EXPECT_TRUE(find_cause("drift")
+                  ->derived(plain, std::vector<Scalar>(1, Scalar(2.0)), simulation_, {})
+                  .empty());
+}
+
 TEST_P(OnLostMotion, AStepIsInArcminutes) {
   const Hypothesis h =
       one("run_step", with_constants("from", {{.name = "first_run", .unit = "", .value = 1.0}}),

@@ -217,6 +217,30 @@ TEST_F(Replacements, OfAConstantAreNoDriftThatIsOneBesideItsChange) {
   EXPECT_EQ(find(judge_effect(judge, result, 0), "drift"), nullptr);
 }
 
+TEST_F(Replacements, OfAConstantAreNoDriftThatIsOverWhenTheRowsBegin) {
+  data_ = measured_grid({.sun_speeds_rpm = {600.0}, .rotations = {1}, .repeats = 2});
+  const auto rows = static_cast<double>(data_.rows.size());
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.time_s = 60.0 * static_cast<double>(i);
+  }
+  data_.record_start_s = -60.0 * rows;
+  const Hypothesis drag =
+      hypothesis({candidate("drag_constant", {.name = "sun", .body = "sun"})}, {0.05});
+  measure(drag, 0.004);
+  const Problem p = problem();
+  const std::vector<Candidate> all = candidates_for(simulation_, data_);
+  const SearchResult result = found(p, drag);
+  const Judge judge(p, all, result.fit, result.scale);
+  const auto form = std::ranges::find_if(all, [](const Candidate& c) {
+    return c.cause->id == "drift" && c.form.name == "levelling_any_scale_time_drag";
+  });
+  ASSERT_NE(form, all.end());
+  // It levels off before the first row, within what counts.
+  const Fit levelled = fit(p, with({}, *form), result.scale);
+  ASSERT_LE(judge.difference(levelled, result.fit), 6.0);
+  EXPECT_EQ(find(judge_effect(judge, result, 0), "drift"), nullptr);
+}
+
 TEST_F(Replacements, StayAwayFromALawThatTheDataTellFromAStep) {
   // Every session at every speed.
   data_ = measured_grid({.rotations = {1}, .repeats = 4});
