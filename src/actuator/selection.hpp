@@ -53,6 +53,8 @@ struct CatalogueGearbox {
   std::string name;
   Gearbox gearbox;
   std::optional<double> continuous_Nm, intermittent_Nm;
+  int planets = 0;     ///< 0 = not known
+  std::string file{};  ///< that it is of
 };
 
 struct SelectionTask {

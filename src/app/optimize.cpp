@@ -100,6 +100,7 @@ design::Design with_judging_model(const OptimizeTask& task, const design::Design
 bool depends_on_width(optimize::Objective objective) {
   using optimize::Objective;
   switch (objective) {
+    case Objective::kCycleEnergy:
     case Objective::kInertia:
     case Objective::kMass:
     case Objective::kTorqueCapacity:

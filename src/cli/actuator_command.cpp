@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "io/files/selection_file.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/file_reader.hpp"
 #include "io/text/file_set.hpp"
 #include "report/actuator_plot.hpp"
 #include "report/front_plot.hpp"
@@ -29,6 +31,7 @@ namespace {
 
 constexpr double kMostPoints = 100000;
 constexpr double kMostHertz = 1e6;
+constexpr const char* kFrontName = "pareto.csv";  ///< of --select
 
 /// LO, HI in Hz and N; empty where the text has no such range.
 std::optional<std::array<double, 3>> impedance_range(std::string_view text) {
@@ -61,12 +64,17 @@ actuator::ImpedanceTask impedance_task(const ActuatorOptions& options) {
 }
 
 /// Everything that the command reads; errors of all files and options at once.
-app::ActuatorRequest request_of(const ActuatorOptions& options) {
+/// @param inputs  takes the files
+app::ActuatorRequest request_of(const ActuatorOptions& options, std::vector<std::string>& inputs) {
   app::ActuatorRequest request;
   request.source = options.file;
   request.without_each = options.without_each;
   io::CollectedErrors errors;
-  errors.attempt([&] { request.actuator = io::read_actuator(options.file); });
+  errors.attempt([&] {
+    io::ActuatorFiles files = io::read_actuator(options.file);
+    request.actuator = std::move(files.actuator);
+    inputs = std::move(files.inputs);
+  });
   errors.attempt([&] {
     if (!options.cycle.empty()) request.cycle = io::read_cycle(options.cycle);
   });
@@ -74,16 +82,18 @@ app::ActuatorRequest request_of(const ActuatorOptions& options) {
     if (!options.impedance.empty()) request.impedance = impedance_task(options);
   });
   errors.raise();
+  inputs.push_back(options.cycle);
   request.keep_instants = options.format == Format::kCsv || !options.figures.empty();
   request.drive_diagram = !options.figures.empty();
   return request;
 }
 
 /// What --figures may write.
-ResultFolderTask figure_folder(const ActuatorOptions& options) {
+ResultFolderTask figure_folder(const ActuatorOptions& options, std::vector<std::string> inputs) {
   ResultFolderTask task{.path = options.figures,
                         .option = "--figures",
-                        .inputs = {options.file, options.cycle, options.out},
+                        .inputs = std::move(inputs),
+                        .result = options.out,
                         .files = {},
                         .quiet = options.quiet};
   for (const std::string name : report::kActuatorFigures) {
@@ -106,6 +116,32 @@ std::vector<std::string> write_figures_of(const report::ActuatorResult& result,
   return folder.write(std::move(files), figures);
 }
 
+std::string design_file_name(std::string gearbox) {
+  std::ranges::replace(gearbox, '/', '_');
+  return fmt::format("design_{}.toml", gearbox);
+}
+
+/// Names of the DESIGN files that an earlier run may have made for its front, which its pareto.csv
+/// tells.
+std::vector<std::string> earlier_designs(const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / kFrontName).string();
+  std::vector<std::string> names;
+  if (!std::filesystem::exists(path)) return names;
+  try {
+    const io::CsvTable front =
+        io::parse_csv(io::read_text(path, "a CSV file", io::kMostCycleBytes), path);
+    if (std::ranges::find(front.header, "gearbox") == front.header.end()) return names;
+    for (const io::CsvTable::Row& row : front.rows) {
+      const std::string gearbox = front.text(row, "gearbox").value_or("");
+      // Made ones are named by their five gears.
+      if (std::ranges::count(gearbox, '/') == 4) names.push_back(design_file_name(gearbox));
+    }
+  } catch (const io::InvalidInput&) {
+    names.clear();  // no file of this program
+  }
+  return names;
+}
+
 /// DESIGN files of the gearboxes of the front that were made for it.
 void append_designs(const io::SelectionFiles& files, const actuator::Selection& selection,
                     const std::vector<report::MadeGearbox>& made,
@@ -116,10 +152,8 @@ void append_designs(const io::SelectionFiles& files, const actuator::Selection& 
         })) {
       continue;
     }
-    std::string name = files.task.gearboxes[m.gearbox].name;
-    std::ranges::replace(name, '/', '_');
-    texts.push_back(
-        {.path = fmt::format("design_{}.toml", name), .text = io::design_text(m.design)});
+    texts.push_back({.path = design_file_name(files.task.gearboxes[m.gearbox].name),
+                     .text = io::design_text(m.design)});
   }
 }
 
@@ -128,24 +162,26 @@ ExitCode run_selection(const ActuatorOptions& options) {
   io::SelectionFiles files = io::read_selection(options.select);
   ResultFolder folder({.path = options.out,
                        .inputs = files.inputs,
-                       .files = {"selection.csv", "pareto.csv", "summary.json"},
+                       .files = {"selection.csv", kFrontName, "summary.json"},
                        .figures = {"pareto.svg"},
+                       .earlier = earlier_designs(options.out),
                        .quiet = options.quiet});
-  std::vector<report::MadeGearbox> made;
+  app::MadeGearboxes made;
   if (!files.tasks.empty()) {
     optimize::Progress progress;
     const ProgressDisplay display(progress, options.quiet);
     made = app::make_gearboxes(files, progress);
     if (progress.stop) return kInterrupted;
   }
+  app::tell_apart(files.task.gearboxes);
   const actuator::Selection selection = actuator::select(files.task);
   const std::string json = report::selection_json(files.task, selection);
   const std::string front = report::selection_front_csv(files.task, selection);
   std::vector<io::FileText> texts{
       {.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
-      {.path = "pareto.csv", .text = front},
+      {.path = kFrontName, .text = front},
       {.path = "summary.json", .text = json}};
-  append_designs(files, selection, made, texts);
+  append_designs(files, selection, made.gearboxes, texts);
   const std::vector<std::string> written =
       folder.write(std::move(texts), files.task.objectives.size() > 1 && !selection.front.empty()
                                          ? draw({report::selection_plot(files.task, selection)})
@@ -162,6 +198,9 @@ ExitCode run_selection(const ActuatorOptions& options) {
       break;
   }
   const std::string blocking = report::selection_blocking_text(files.task, selection);
+  if (!blocking.empty() || !options.quiet) {
+    for (const std::string& spec : made.blocked) say(spec + '\n');
+  }
   if (blocking.empty()) return kDone;
   say(blocking + '\n');
   return kNoFeasibleDesign;
@@ -180,12 +219,11 @@ ExitCode run_actuator(const ActuatorOptions& options) {
   end_on_interrupt();
   use_threads(options);
   if (!options.select.empty()) return run_selection(options);
-  const std::string slip =
-      options.out.empty() ? "" : io::replaced_input(options.out, {options.file, options.cycle});
-  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
-  const app::ActuatorRequest request = request_of(options);
+  std::vector<std::string> inputs;
+  const app::ActuatorRequest request = request_of(options, inputs);
+  refuse_replacing(inputs, options.out, options.figures);
   std::optional<ResultFolder> folder;
-  if (!options.figures.empty()) folder.emplace(figure_folder(options));
+  if (!options.figures.empty()) folder.emplace(figure_folder(options, std::move(inputs)));
   const report::ActuatorResult result = app::analyze_actuator(request);
   Figures figures;
   std::vector<std::string> written;

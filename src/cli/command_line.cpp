@@ -259,10 +259,28 @@ std::string of_house(std::string complaint) {
   return complaint;
 }
 
+/// The complaints of all values, of which the parser tells the first: what it said, where that is
+/// none of them, and theirs.
+std::string with_other_values(CLI::App& command, const std::string& complaint) {
+  std::vector<std::string> lines;
+  for (CLI::Option* option : command.get_options([](const CLI::Option*) { return true; })) {
+    if (option->count() == 0) continue;
+    try {
+      option->run_callback();  // checks its value where the parser has not
+    } catch (const CLI::Success&) {
+      continue;  // --help
+    } catch (const CLI::ParseError& error) {
+      lines.push_back(of_house(error.what()));
+    }
+  }
+  if (std::ranges::find(lines, complaint) == lines.end()) lines.insert(lines.begin(), complaint);
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
 }  // namespace
 
-std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App* command = &app;
+std::string usage_error(CLI::App& app, const CLI::ParseError& error) {
+  CLI::App* command = &app;
   std::string name = "gear3k";
   while (!command->get_subcommands().empty()) {
     command = command->get_subcommands().front();
@@ -293,7 +311,7 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
           fmt::format("{}: {} without its value: {}\n", name, own, option->get_description());
     }
   }
-  if (missing.empty()) return complaint + '\n';
+  if (missing.empty()) return with_other_values(*command, complaint);
   return fmt::format("{}usage: {} [OPTIONS]{}\n", missing, name, usage);
 }
 

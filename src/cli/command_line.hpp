@@ -45,7 +45,7 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
 
 /// What is wrong with the arguments that app.parse() refused: the command, every argument that is
 /// missing with its meaning, or how many there may be.
-std::string usage_error(const CLI::App& app, const CLI::ParseError& error);
+std::string usage_error(CLI::App& app, const CLI::ParseError& error);
 
 /// The commands and options that an app takes.
 CommandTree described(const CLI::App& app);

@@ -167,46 +167,9 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
          limits_paragraph(pair, show);
 }
 
-/// Whether a file is to lie in a folder, which need not be there.
-bool is_within(const std::string& file, const std::string& folder) {
-  const auto whole = [](const std::filesystem::path& path) {
-    std::error_code status;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), status);
-  };
-  return whole(file).parent_path() == whole(folder);
-}
-
-/// Of what is told before a result is computed.
-/// @param figures  the folder of --figures, which is made and may hold the result
-/// @throws io::InvalidInput where --out is an input, or it or `figures` cannot be written
-void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out,
-                      const std::string& figures = "") {
-  if (!figures.empty()) io::expect_folder(figures);
-  if (out.empty()) return;
-  const std::string slip = io::replaced_input(out, inputs);
-  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
-  if (figures.empty() || !is_within(out, figures)) io::expect_file(out);
-}
-
 /// Exit code of what was analysed.
 ExitCode judged(const std::vector<design::CheckResult>& checks, const AnalyzeOptions& options) {
   return options.strict && !design::all_ok(checks) ? kNoFeasibleDesign : kDone;
-}
-
-/// A file of --figures may not be that of --out.
-void refuse_figure_as_result(const std::string& folder, const std::vector<std::string>& names,
-                             const std::string& out) {
-  const auto canonical = [](const std::filesystem::path& path) {
-    std::error_code status;
-    const auto result = std::filesystem::weakly_canonical(path, status);
-    return status ? path : result;
-  };
-  for (const std::string& name : names) {
-    if (out.empty()) break;
-    if (canonical(std::filesystem::path(folder) / name) != canonical(out)) continue;
-    throw io::InvalidInput(
-        fmt::format("--out {}: is a file of --figures, allowed: another file", out));
-  }
 }
 
 /// Figures of a result, drawn and written.
@@ -231,10 +194,10 @@ WrittenFigures write_torque_angle(const AnalyzeOptions& options, const app::Anal
   }
   const std::string csv = "torque_angle.csv";
   const std::string svg = "torque_angle.svg";
-  refuse_figure_as_result(options.figures, {csv, svg}, options.out);
   ResultFolder folder(ResultFolderTask{.path = options.figures,
                                        .option = "--figures",
                                        .inputs = {options.file, options.model},
+                                       .result = options.out,
                                        .files = {csv},
                                        .figures = {svg},
                                        .quiet = options.quiet});
@@ -250,9 +213,11 @@ WrittenFigures write_torque_angle(const AnalyzeOptions& options, const app::Anal
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
-  const app::AnalyzeRequest request{.design = io::read_design(options.file),
-                                    .model = app::read_model(options.model),
-                                    .source = options.file};
+  app::AnalyzeRequest request{.design = {}, .model = {}, .source = options.file};
+  io::CollectedErrors errors;
+  errors.attempt([&] { request.design = io::read_design(options.file); });
+  errors.attempt([&] { request.model = app::read_model(options.model); });
+  errors.raise();
   use_threads(options);
   refuse_replacing({options.file, options.model}, options.out, options.figures);
   const app::Analysis analysis = app::analyze(request);
@@ -310,7 +275,9 @@ ExitCode run_search(const SearchOptions& options) {
                                                       ? static_cast<std::size_t>(options.top)
                                                       : std::numeric_limits<std::size_t>::max()};
   const optimize::Specification& spec = request.spec;
-  refuse_replacing({options.file}, options.out);
+  std::vector<std::string> inputs = io::named_files(spec);
+  inputs.push_back(options.file);
+  refuse_replacing(inputs, options.out);
   use_threads(options);
   app::ToothSets found = [&] {
     optimize::Progress progress;
@@ -334,9 +301,11 @@ ExitCode run_search(const SearchOptions& options) {
                         [&](const auto& out) { report::write_search_csv(found.ranking, out); });
       break;
     case Format::kTable:
-      // Scripts get their header and no set; a reader gets the message below.
-      if (empty) break;
-      deliver(options, report::search_table(spec, search, found.ranking));
+      // Scripts get their header and no set; a reader gets the message below, and a file the
+      // counts: that of an earlier run would pass for this one's.
+      if (empty && options.out.empty()) break;
+      deliver(options, empty ? report::search_counts_text(spec, search)
+                             : report::search_table(spec, search, found.ranking));
       break;
   }
   if (!empty) return kDone;
@@ -361,19 +330,16 @@ std::vector<std::string> reproduce_figures() {
 WrittenFigures write_figures(const ReproduceOptions& options,
                              const papers::PublishedSources& sources,
                              const papers::Reproduction& reproduction) {
-  std::vector<std::string> names;
   ResultFolderTask task{.path = options.figures,
                         .option = "--figures",
                         .inputs = {},
+                        .result = options.out,
                         .files = {},
                         .quiet = options.quiet};
   for (const std::string& name : reproduce_figures()) {
-    names.push_back(name + ".csv");
-    names.push_back(name + ".svg");
     task.files.push_back(name + ".csv");
     task.figures.push_back(name + ".svg");
   }
-  refuse_figure_as_result(options.figures, names, options.out);
   ResultFolder folder(std::move(task));
   const papers::PaperFigures figures = papers::paper_figures(sources);
   const papers::BackdrivabilityFigures backdrivability{

@@ -40,7 +40,8 @@ void refuse_other_options(const std::vector<std::string>& stated) {
 
 ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
   refuse_other_options(options.stated);
-  const app::DiagnoseMotionRequest request{.actuator = io::read_actuator(options.file),
+  io::ActuatorFiles files = io::read_actuator(options.file);
+  const app::DiagnoseMotionRequest request{.actuator = std::move(files.actuator),
                                            .source = options.file,
                                            .data = options.data,
                                            .false_discovery_rate = options.false_discovery_rate};
@@ -50,7 +51,7 @@ ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
                           .inputs = options.data,
                           .files = {"diagnosis.json", "model.toml", "residuals.csv"},
                           .quiet = options.quiet};
-    task.inputs.push_back(options.file);
+    task.inputs.insert(task.inputs.end(), files.inputs.begin(), files.inputs.end());
     folder.emplace(std::move(task));
   }
   const report::MotionDiagnosisResult result = app::diagnose_motion(request);

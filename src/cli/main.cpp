@@ -124,14 +124,19 @@ void add_columns(CLI::App& command, int& columns, int least, const char* help) {
   command.add_option("--columns", columns, help)->check(cli::within(least, 500))->option_text("N");
 }
 
-void add_show_options(CLI::App& command, cli::ShowOptions& options) {
+/// @param never  names of parts that the subject never has
+void add_show_options(CLI::App& command, cli::ShowOptions& options,
+                      const std::vector<std::string>& never = {}) {
+  std::vector<std::string> parts(report::kSectionNames.begin(), report::kSectionNames.end());
+  std::erase_if(parts, [&](const std::string& part) {
+    return std::ranges::find(never, part) != never.end();
+  });
   command
       .add_option("--show", options.show,
                   fmt::format("parts of the table after the first screen, by commas: {}",
-                              fmt::join(report::kSectionNames, ", ")))
+                              fmt::join(parts, ", ")))
       ->delimiter(',')
-      ->check(cli::one_of("part", std::vector<std::string>(report::kSectionNames.begin(),
-                                                           report::kSectionNames.end())))
+      ->check(cli::one_of("part", parts))
       ->option_text("PART,...");
   command.add_flag("--full", options.full, "the whole table");
   add_columns(command, options.columns, 60, "of the first screen; 100 into a file");
@@ -248,9 +253,9 @@ std::string actuator_usage_error(const CLI::App& command, const cli::ActuatorOpt
   }
   if (select && options.out.empty()) errors.emplace_back("--select: allowed: with --out DIR");
   if (select && (!options.cycle.empty() || !options.figures.empty() || !options.impedance.empty() ||
-                 options.without_each)) {
+                 options.without_each || options.strict)) {
     errors.emplace_back(
-        "--cycle, --without-each, --impedance, --figures: allowed: without --select");
+        "--cycle, --without-each, --impedance, --figures, --strict: allowed: without --select");
   }
   if (options.without_each && options.cycle.empty() && !select) {
     errors.emplace_back("--without-each: allowed: with --cycle CYCLE");
@@ -315,7 +320,7 @@ void add_gearbox_commands(CLI::App& app, Commands& c) {
   CLI::App* mesh_command = app.add_subcommand("mesh", "one external or internal pair of gears");
   mesh_command->add_option("PAIR", c.mesh.file, "PAIR.toml")->required();
   mesh_command->add_flag("--strict", c.mesh.strict, "exit with 3 when a check fails");
-  add_show_options(*mesh_command, c.mesh.show);
+  add_show_options(*mesh_command, c.mesh.show, {"masses", "sensitivities"});
   add_common_options(*mesh_command, c.mesh);
   add_out_file(*mesh_command, c.mesh);
   mesh_command->footer(keys_of("PAIR.toml"));

@@ -5,6 +5,7 @@
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "io/files/design_file.hpp"
+#include "io/text/diagnostics.hpp"
 #include "report/map_plot.hpp"
 #include "report/map_report.hpp"
 
@@ -13,9 +14,11 @@ namespace gear3k::cli {
 ExitCode run_map(const MapOptions& options) {
   end_on_interrupt();
   use_threads(options);
-  const app::MapRequest request{.design = io::read_design(options.file),
-                                .model = app::read_model(options.model),
-                                .source = options.file};
+  app::MapRequest request{.design = {}, .model = {}, .source = options.file};
+  io::CollectedErrors errors;
+  errors.attempt([&] { request.design = io::read_design(options.file); });
+  errors.attempt([&] { request.model = app::read_model(options.model); });
+  errors.raise();
   std::optional<ResultFolder> folder;
   if (!options.out.empty()) {
     folder.emplace(ResultFolderTask{

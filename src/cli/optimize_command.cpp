@@ -19,6 +19,7 @@
 #include "io/files/model_file.hpp"
 #include "io/files/refinement_journal.hpp"
 #include "io/files/specification_file.hpp"
+#include "io/text/diagnostics.hpp"
 #include "io/text/file_reader.hpp"
 #include "io/text/held_signals.hpp"
 #include "io/text/toml_value.hpp"
@@ -52,19 +53,22 @@ struct OptimizeInput {
   std::uint64_t fingerprint = 0;  ///< of the very bytes
 };
 
-/// Files that [actuator] and [cycle] name.
-std::vector<std::string> co_design_sources(const optimize::Specification& spec) {
-  const actuator::CoDesign* const co_design = actuator::co_design_of(spec.cycle_energy.get());
-  if (co_design != nullptr) return co_design->sources();
-  return spec.felt ? std::vector{spec.felt->source} : std::vector<std::string>();
-}
-
 OptimizeInput read_input(const OptimizeOptions& options) {
-  std::vector<std::string> contents{io::read_toml_text(options.file)};
-  if (!options.model.empty()) contents.push_back(io::read_toml_text(options.model));
-  optimize::Specification spec =
-      io::parse_specification(contents.front(), options.file, optimize::kMostRefinedSets);
-  const std::vector<std::string> sources = co_design_sources(spec);
+  std::vector<std::string> contents;
+  optimize::Specification spec;
+  std::optional<app::Model> model;
+  io::CollectedErrors errors;
+  errors.attempt([&] {
+    contents.push_back(io::read_toml_text(options.file));
+    spec = io::parse_specification(contents.back(), options.file, optimize::kMostRefinedSets);
+  });
+  errors.attempt([&] {
+    if (options.model.empty()) return;
+    contents.push_back(io::read_toml_text(options.model));
+    model = app::model_of(io::parse_model(contents.back(), options.model), options.model);
+  });
+  errors.raise();
+  const std::vector<std::string> sources = io::named_files(spec);
   std::vector<std::string> all = contents;
   for (const std::string& source : sources) {
     all.push_back(io::read_text(source, "a file", io::kMostCycleBytes));
@@ -74,10 +78,7 @@ OptimizeInput read_input(const OptimizeOptions& options) {
                                   .certify = options.certify,
                                   .round = options.round},
                       .fingerprint = io::task_fingerprint(all)};
-  if (!options.model.empty()) {
-    input.request.model =
-        app::model_of(io::parse_model(contents.back(), options.model), options.model);
-  }
+  input.request.model = std::move(model);
   return input;
 }
 
@@ -432,7 +433,7 @@ const char* open_part(const app::Optimization& o) {
 ExitCode run_optimize(const OptimizeOptions& options) {
   const OptimizeInput input = read_input(options);
   app::OptimizeTask task = app::optimize_task(input.request);
-  std::vector<std::string> inputs = co_design_sources(task.spec);
+  std::vector<std::string> inputs = io::named_files(task.spec);
   inputs.insert(inputs.end(), {options.file, options.model});
   ResultFolder folder({.path = options.out,
                        .inputs = std::move(inputs),

@@ -34,14 +34,25 @@ std::string missing_text(const Figures& figures, const std::vector<std::string>&
                      fmt::join(written, ", "));
 }
 
+/// One and the same for a file, whether it is there or not.
+fs::path whole_path(const fs::path& path) {
+  std::error_code unknown;
+  // Absolute before: of a name that is not there the canonical form may be relative.
+  return fs::weakly_canonical(fs::absolute(path), unknown);
+}
+
 }  // namespace
 
 ResultFolder::ResultFolder(ResultFolderTask task) : task_(std::move(task)) {
   for (const auto* names : {&task_.files, &task_.others, &task_.figures}) {
     for (const std::string& name : *names) {
       const std::string slip = io::replaced_input(path_of(name), task_.inputs);
-      if (slip.empty()) continue;
-      throw io::InvalidInput(fmt::format("{} {}: {}", task_.option, task_.path, slip));
+      if (!slip.empty()) {
+        throw io::InvalidInput(fmt::format("{} {}: {}", task_.option, task_.path, slip));
+      }
+      if (task_.result.empty() || whole_path(path_of(name)) != whole_path(task_.result)) continue;
+      throw io::InvalidInput(fmt::format("--out {}: is a file of {}, allowed: another file",
+                                         task_.result, task_.option));
     }
   }
   io::expect_folder(task_.path);
@@ -90,11 +101,13 @@ std::vector<std::string> ResultFolder::write(std::vector<io::FileText> files,
     file.path = path_of(file.path);
     written.push_back(file.path);
   }
-  io::write_files(files, {});
+  io::write_files(files, task_.inputs);
   for (const Figures::Missing& missing : figures.missing) set_aside(missing.file);
-  // Figures of an earlier run would pass for results of this one.
-  for (const std::string& name : task_.figures) {
-    if (std::ranges::find(written, path_of(name)) == written.end()) remove_earlier(name);
+  // What is of an earlier run would pass for a result of this one.
+  for (const auto* names : {&task_.figures, &task_.earlier}) {
+    for (const std::string& name : *names) {
+      if (std::ranges::find(written, path_of(name)) == written.end()) remove_earlier(name);
+    }
   }
   if (!figures.missing.empty() && !task_.quiet) say(missing_text(figures, written));
   return written;
@@ -122,11 +135,24 @@ void ResultFolder::remove_earlier(const std::string& name) const {
   const std::string path = path_of(name);
   std::error_code status;
   if (!fs::is_regular_file(path, status)) return;
+  if (!io::replaced_input(path, task_.inputs).empty()) return;
   if (!fs::remove(path, status) || status) {
     throw io::InvalidInput(
         fmt::format("{}: is of an earlier run and cannot be removed: {}", path, status.message()));
   }
   if (!task_.quiet) say(fmt::format("{}: was of an earlier run, removed\n", path));
+}
+
+void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out,
+                      const std::string& figures) {
+  if (!figures.empty()) io::expect_folder(figures);
+  if (out.empty()) return;
+  const std::string slip = io::replaced_input(out, inputs);
+  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+  const bool within =
+      !figures.empty() &&
+      whole_path(out).parent_path() == whole_path(fs::path(figures) / "result").parent_path();
+  if (!within) io::expect_file(out);
 }
 
 std::string files_text(const std::vector<std::string>& paths) {

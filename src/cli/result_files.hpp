@@ -14,11 +14,14 @@ struct ResultFolderTask {
   std::string path;                      ///< of the folder
   std::string option = "--out";          ///< that named it
   std::vector<std::string> inputs;       ///< files that the results are made from; "" = none
+  std::string result = {};               ///< file of another option, --out; "" = none
   std::vector<std::string> files;        ///< names within the folder, without figures
   std::vector<std::string> others = {};  ///< names of files that it writes on the way
   /// Names of all figures, with .svg: those of an earlier run that are none of this one's are
   /// removed.
   std::vector<std::string> figures = {};
+  /// Files that an earlier run left and this one may not write: then removed, unless inputs.
+  std::vector<std::string> earlier = {};
   bool quiet = false;  ///< says nothing on stderr of files of an earlier run, or missing figures
 };
 
@@ -27,8 +30,9 @@ class ResultFolder {
  public:
   /// A folder that is there is locked at once, one that is not with the first file (or open()).  On
   /// file systems that lock no folders runs are not kept apart.
-  /// @throws io::InvalidInput where a result would replace an input, the folder cannot be made or
-  ///   written to, or another run holds it
+  /// @throws io::InvalidInput where a result would replace an input or the file of --out, the
+  /// folder
+  ///   cannot be made or written to, or another run holds it
   explicit ResultFolder(ResultFolderTask task);
   /// A folder that was made and got no file goes again.
   ~ResultFolder();
@@ -63,6 +67,14 @@ class ResultFolder {
   std::vector<std::string> made_;  ///< folders, outermost first
   int lock_ = -1;
 };
+
+/// What of a result's file is told before it is computed.
+/// @param inputs  files that it is made from; "" = none
+/// @param out  the file of --out; "" = none
+/// @param figures  the folder of --figures, which is made and may hold the result; "" = none
+/// @throws io::InvalidInput where --out is an input, or it or `figures` cannot be written
+void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out,
+                      const std::string& figures = "");
 
 /// "\nFiles: a, b\n" for the end of a table; "" where nothing was written.
 std::string files_text(const std::vector<std::string>& paths);

@@ -24,14 +24,20 @@ app::SimulateRequest simulate_request(const SimulateOptions& options,
   app::SimulateRequest request;
   request.source = options.actuator;
   io::CollectedErrors errors;
-  errors.attempt([&] { request.actuator = io::read_actuator(options.actuator); });
+  const auto take = [&inputs](const std::vector<std::string>& read) {
+    inputs.insert(inputs.end(), read.begin(), read.end());
+  };
+  errors.attempt([&] {
+    io::ActuatorFiles files = io::read_actuator(options.actuator);
+    request.actuator = std::move(files.actuator);
+    take(files.inputs);
+  });
   errors.attempt([&] {
     io::ScenarioFiles files = io::read_scenario(options.scenario);
     request.scenario = std::move(files.scenario);
-    inputs = std::move(files.inputs);
+    take(files.inputs);
   });
   errors.raise();
-  inputs.push_back(options.actuator);
   return request;
 }
 

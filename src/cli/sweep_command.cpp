@@ -189,36 +189,51 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options) {
   return kDone;
 }
 
+namespace {
+
+/// @throws io::InvalidInput where --task is there, cannot be written or is the file of --out
+void refuse_task(const AtlasOptions& options) {
+  if (!options.out.empty() && whole_path(options.out) == whole_path(options.task)) {
+    throw io::InvalidInput(
+        fmt::format("--out: {} is the file of --task, allowed: another name", options.out));
+  }
+  if (std::filesystem::exists(options.task)) {
+    throw io::InvalidInput(fmt::format(
+        "--task {}: is there already, and is not replaced; allowed: a new name", options.task));
+  }
+  io::expect_file(options.task);
+}
+
+/// The folder of --figures.
+void write_atlas(const AtlasOptions& options) {
+  end_on_interrupt();
+  const std::vector<report::Plot> plots = sweep::atlas_plots();
+  ResultFolderTask task{.path = options.figures,
+                        .option = "--figures",
+                        .inputs = {},
+                        .result = options.out,
+                        .files = {"atlas.csv"},
+                        .figures = {},
+                        .quiet = options.quiet};
+  for (const report::Plot& plot : plots) task.figures.push_back(plot.name + ".svg");
+  ResultFolder(std::move(task))
+      .write({{.path = "atlas.csv", .text = std::string(sweep::atlas_csv())}}, draw(plots));
+}
+
+}  // namespace
+
 ExitCode run_atlas(const AtlasOptions& options) {
   const std::vector<sweep::AtlasPoint> points = sweep::atlas_near(options.question);
   const std::string taken =
       points.empty() ? std::string() : sweep::atlas_snap_text(options.question, points);
   if (!taken.empty() && !options.quiet) say(taken + '\n');
-  if (!options.task.empty()) {
-    if (!options.out.empty() && whole_path(options.out) == whole_path(options.task)) {
-      throw io::InvalidInput(
-          fmt::format("--out: {} is the file of --task, allowed: another name", options.out));
-    }
-    if (std::filesystem::exists(options.task)) {
-      throw io::InvalidInput(fmt::format(
-          "--task {}: is there already, and is not replaced; allowed: a new name", options.task));
-    }
-    io::write_file(options.task, sweep::atlas_task(options.question));
-  }
-  if (!options.figures.empty()) {
-    end_on_interrupt();
-    const std::vector<report::Plot> plots = sweep::atlas_plots();
-    ResultFolderTask task{.path = options.figures,
-                          .option = "--figures",
-                          .inputs = {},
-                          .files = {"atlas.csv"},
-                          .figures = {},
-                          .quiet = options.quiet};
-    for (const report::Plot& plot : plots) task.figures.push_back(plot.name + ".svg");
-    ResultFolder(std::move(task))
-        .write({{.path = "atlas.csv", .text = std::string(sweep::atlas_csv())}}, draw(plots));
-  }
+  const std::string task = options.task.empty() ? "" : sweep::atlas_task(options.question);
+  if (!options.task.empty()) refuse_task(options);
+  refuse_replacing({}, options.out, options.figures);
+  if (!options.figures.empty()) write_atlas(options);
   deliver_rows(options, sweep::atlas_rows(points));
+  // Last: a run that failed can be repeated, as none is replaced.
+  if (!options.task.empty()) io::write_file(options.task, task);
   return kDone;
 }
 
@@ -259,13 +274,13 @@ ExitCode run_sweep_compare(const SweepQuestion& question) {
 }
 
 ExitCode run_sweep_figure(const SweepQuestion& question) {
+  if (other_form(question, "sweep figure", "SVG")) return kUsage;
   const Database database = asked(question);
   const sweep::AskedTasks tasks{.run = question.run};
   const sweep::Map map = sweep::map_of(database, {.tasks = tasks,
                                                   .x = question.x,
                                                   .y = question.y,
-                                                  .by = question.by.empty() ? "" : question.by[0],
-                                                  .least = !question.least.empty()});
+                                                  .by = question.by.empty() ? "" : question.by[0]});
   const Figures figures = draw({sweep::map_plot(map, "map")});
   if (figures.files.empty()) {
     throw io::InvalidInput(

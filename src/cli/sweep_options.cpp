@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "cli/common_options.hpp"
 #include "sweep/compare.hpp"
@@ -24,6 +25,19 @@ CLI::App& add_sweep_question(CLI::App& sweep, const char* name, const char* text
   command.callback(
       [&question, &run, answer] { run = [&question, answer] { return answer(question); }; });
   return command;
+}
+
+/// Options of `sweep` before a subcommand, which has its own.
+void refuse_before_subcommand(const CLI::App& sweep) {
+  std::vector<std::string> given;
+  for (const CLI::Option* option : sweep.get_options()) {
+    if (option->count() > 0) given.push_back(option->get_name());
+  }
+  if (given.empty()) return;
+  throw CLI::ValidationError(
+      fmt::format("{}: no effect before {}: allowed: options of the subcommand, after it",
+                  fmt::join(given, ", "), sweep.get_subcommands().front()->get_name()),
+      CLI::ExitCodes::ValidationError);
 }
 
 void add_run(CLI::App& command, SweepQuestion& question) {
@@ -114,7 +128,10 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   merge_command.footer("");
   merge_command.callback([&merge, &run] { run = [&merge] { return run_sweep_merge(merge); }; });
   sweep.callback([&sweep, &options, &run] {
-    if (!sweep.get_subcommands().empty()) return;
+    if (!sweep.get_subcommands().empty()) {
+      refuse_before_subcommand(sweep);
+      return;
+    }
     if (options.file.empty() || options.out.empty()) {
       throw CLI::ValidationError("sweep: allowed: SWEEP.toml and --out DB, or a subcommand",
                                  CLI::ExitCodes::ValidationError);
@@ -146,7 +163,12 @@ void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<E
       ->option_text("DIR");
   add_output_options(command, options);
   add_out_file(command, options);
-  command.callback([&options, &run] { run = [&options] { return run_atlas(options); }; });
+  command.callback([&options, &run] {
+    if (const std::string error = sweep::atlas_error(options.question); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    run = [&options] { return run_atlas(options); };
+  });
 }
 
 }  // namespace gear3k::cli

@@ -58,9 +58,31 @@ bool any_plastic(const Materials& materials) {
   });
 }
 
+/// What is stated of the heat and the wear of plastic where there is none.
+void note_without_plastic(const strength::RatingTask& task, std::vector<std::string>& notes) {
+  const strength::RatingTask usual;
+  constexpr double kSame_K = 1e-9;  // of the way from degrees Celsius
+  std::vector<std::string_view> idle;
+  if (std::abs(task.ambient_K - usual.ambient_K) > kSame_K) idle.emplace_back("ambient_c");
+  if (task.tooth_temperature_K) idle.emplace_back("tooth_temperature_c");
+  if (task.duty != usual.duty) idle.emplace_back("duty");
+  if (task.housing_surface_m2 != usual.housing_surface_m2) {
+    idle.emplace_back("housing_surface_mm2");
+  }
+  if (task.wear_coefficient_m2_N) idle.emplace_back("wear_coefficient_mm3_nm");
+  if (idle.empty()) return;
+  notes.push_back(
+      fmt::format("{} of [strength]: no effect, as there is no gear of plastic, in whose meshes "
+                  "alone this acts",
+                  fmt::join(idle, ", ")));
+}
+
 /// What a rating takes as absent though it may not be.
 void note_unknown(const strength::RatingTask& task, std::vector<std::string>& notes) {
-  if (!any_plastic(task.material)) return;
+  if (!any_plastic(task.material)) {
+    note_without_plastic(task, notes);
+    return;
+  }
   if (!(task.speed_rad_s > 0.0) && !task.tooth_temperature_K) {
     notes.emplace_back(
         "no speed is stated: the teeth of plastic are as warm as their surroundings");
@@ -114,6 +136,12 @@ std::array<bool, train::kGearCount> gears_without_rim(const strength::RatedTrain
 /// A root that is rated beside the section that its formulas are for.
 void note_section(const strength::RootSection<double>& section, std::string_view gear,
                   std::vector<std::string>& notes) {
+  if (!(section.chord_m > 0.0)) {
+    notes.push_back(fmt::format(
+        "the root of {} is not judged: undercut or fillets leave its teeth no section there",
+        gear));
+    return;
+  }
   if (section.on_fillet) return;
   notes.push_back(fmt::format(
       "the fillet of {} has no tangent at {:.0f} deg to the tooth's axis, where Y_F and Y_S are "

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
+#include <string_view>
 
 #include "drawing/dxf_file.hpp"
 #include "drawing/section_drawing.hpp"
@@ -81,13 +84,38 @@ std::vector<Stroke> axes_of(const SectionDrawing& drawing) {
   return axes;
 }
 
-std::string dxf_words(std::string text) {
-  const std::string sign = "⌀";
-  for (std::size_t at = text.find(sign); at != std::string::npos; at = text.find(sign)) {
-    text.replace(at, sign.size(), "%%c");
+/// A text as the words of a DXF file of release 15 (AC1015), which is of one code page: what is no
+/// printable ASCII, and what would begin an escape, as \U+XXXX of UTF-16; signs of per cent that
+/// stand together, which would begin one too, by three each.
+std::string dxf_words(std::string_view text) {
+  constexpr std::uint32_t kDiameter = 0x2300, kFirstBeyond = 0x10000;
+  constexpr std::uint32_t kHighSurrogate = 0xD800, kLowSurrogate = 0xDC00, kReplacement = 0xFFFD;
+  std::string words;
+  const auto escape = [&](std::uint32_t unit) { words += fmt::format("\\U+{:04X}", unit); };
+  bool after_percent = false;
+  while (!text.empty()) {
+    const bool percent = text.front() == '%';
+    const bool several = percent && (after_percent || (text.size() > 1 && text[1] == '%'));
+    after_percent = percent;
+    const io::Utf8Character character = io::first_character(text);
+    const std::uint32_t code = character.whole ? character.code : kReplacement;
+    text.remove_prefix(character.bytes);
+    if (code == kDiameter) {
+      words += "%%c";
+    } else if (several) {
+      words += "%%%";
+    } else if (code == '\n') {
+      words += ' ';
+    } else if (code >= kFirstBeyond) {
+      escape(kHighSurrogate + ((code - kFirstBeyond) >> 10U));
+      escape(kLowSurrogate + ((code - kFirstBeyond) & 0x3FFU));
+    } else if (code < ' ' || code > '~' || code == '\\' || code == '^') {
+      escape(code);
+    } else {
+      words += static_cast<char>(code);
+    }
   }
-  std::ranges::replace(text, '\n', ' ');
-  return text;
+  return words;
 }
 
 /// Words in lines of at most so many letters.

@@ -43,7 +43,7 @@ struct FeltTask {
   double load_inertia_kgm2 = 0.0;                                      ///< at the output
   double transparency_torque_Nm = 0.0;  ///< τ that the motor holds, at the output
   std::vector<FeltLimit> limits{};      ///< not empty
-  std::string source;                   ///< file of the motor
+  std::vector<std::string> sources{};   ///< files of the motor
 };
 
 /// What the limits see of a gearbox.

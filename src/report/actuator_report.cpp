@@ -206,14 +206,14 @@ std::string ledger_text(const ActuatorResult& result) {
                       ? std::vector<std::string>{"energy [J]", "", "saved without it"}
                       : std::vector<std::string>{"energy [J]", ""});
   const auto row = [&](std::string name, double energy, std::string saved = "") {
-    std::vector<std::string> cells{std::move(name), fmt::format("{:.4f}", energy)};
+    std::vector<std::string> cells{std::move(name), fixed(energy, 4)};
     if (result.without_each) cells.push_back(std::move(saved));
     table.add(std::move(cells));
   };
   const auto saved = [&](const std::string& cause) -> std::string {
     if (!result.without_each) return "";
     for (const auto& w : *result.without_each) {
-      if (w.cause == cause) return fmt::format("{:.4f}", w.saved_J);
+      if (w.cause == cause) return fixed(w.saved_J, 4);
     }
     return "";
   };

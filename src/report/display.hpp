@@ -32,8 +32,11 @@ inline double rpm(double rad_s) { return clean(rad_s * 30.0 / std::numbers::pi);
 inline double celsius(double kelvin) { return clean(kelvin - 273.15); }
 inline double percent(double share) { return 100.0 * share; }
 
-/// A number with fixed decimals; rounding noise below zero shows no minus sign.
+/// A number with fixed decimals; rounding noise below zero shows no minus sign.  "none" where there
+/// is no number, "unbounded" where it has no bound.
 inline std::string fixed(double value, int decimals) {
+  if (std::isnan(value)) return "none";
+  if (std::isinf(value)) return value > 0.0 ? "unbounded" : "-unbounded";
   const double shown = std::abs(value) < 0.5 * std::pow(10.0, -decimals) ? 0.0 : value;
   return fmt::format("{:.{}f}", shown, decimals);
 }

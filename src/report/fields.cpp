@@ -36,7 +36,7 @@ std::string cell_of(const io::Json& json, const char* yes, const char* no) {
 
 bool is_nothing(const io::Json& json) {
   const auto* number = std::get_if<double>(&json.value());
-  return json.is_null() || (number != nullptr && std::isnan(*number));
+  return json.is_null() || (number != nullptr && !std::isfinite(*number));
 }
 
 }  // namespace

@@ -211,12 +211,14 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
       if (!s.defined) return std::string("-");
       return eta > 0.0 ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("locks");
     };
+    const auto contact_ratio = [&](std::size_t mesh) {
+      return s.defined ? fixed(s.contact_ratio.at(mesh), 2) : "-";
+    };
     table.add({teeth_text(s.candidate.teeth) + (s.meshes ? "" : " *"),
                fmt::format("{}", s.candidate.planets), fmt::format("{:.4f}", s.ratio),
                percent(s.eta_b), percent(s.eta_f),
-               s.defined ? fixed(arcmin(s.lost_motion_rad), 2) + " arcmin" : "-",
-               fixed(s.contact_ratio[0], 2), fixed(s.contact_ratio[1], 2),
-               fixed(s.contact_ratio[2], 2), fmt::format("{:.4f}", s.module_ratio)});
+               s.defined ? fixed(arcmin(s.lost_motion_rad), 2) + " arcmin" : "-", contact_ratio(0),
+               contact_ratio(1), contact_ratio(2), fmt::format("{:.4f}", s.module_ratio)});
   });
   text += table.text(2);
   if (ranking.added() > rows) {

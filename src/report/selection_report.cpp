@@ -259,7 +259,9 @@ std::string excess_text(double share) {
 
 std::string selection_blocking_text(const SelectionTask& task, const Selection& selection) {
   if (!selection.front.empty()) return "";
-  if (!selection.nearest) return "no pair: the catalogues are empty";
+  if (!selection.nearest) {
+    return task.gearboxes.empty() ? "no pair: there is no gearbox" : "no pair: there is no motor";
+  }
   const PairResult& r = *selection.nearest;
   return fmt::format("no pair is feasible: the nearest, {} with {}, exceeds {}{}",
                      io::printable(task.motors[r.pair.motor].name),

@@ -91,34 +91,42 @@ const std::vector<AtlasPoint>& atlas() {
   return points;
 }
 
-std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question) {
+std::string atlas_error(const AtlasQuestion& question) {
+  std::vector<std::string> errors;
   const std::vector<double> ratios = atlas_values(&AtlasPoint::ratio_target);
   // A hundredth beyond, as its tasks may be off.
   constexpr double kBeyond = 1.01;
   if (!(question.ratio * kBeyond >= ratios.front() && question.ratio <= ratios.back() * kBeyond)) {
-    throw io::InvalidInput(fmt::format("atlas {:g}: allowed: a ratio from {:g} to {:g}",
-                                       question.ratio, ratios.front(), ratios.back()));
+    errors.push_back(fmt::format("atlas {:g}: allowed: a ratio from {:g} to {:g}", question.ratio,
+                                 ratios.front(), ratios.back()));
   }
-  const double ratio = nearest(ratios, question.ratio);
+  const std::vector<int> planets = atlas_values(&AtlasPoint::planets);
+  if (question.planets && std::ranges::find(planets, *question.planets) == planets.end()) {
+    errors.push_back(fmt::format("--planets {}: allowed: {} to {}", *question.planets,
+                                 planets.front(), planets.back()));
+  }
+  const double least_arcmin = atlas_values(&AtlasPoint::backlash_arcmin).front();
+  if (question.backlash_arcmin && !(*question.backlash_arcmin >= least_arcmin)) {
+    errors.push_back(
+        fmt::format("--backlash {:g}: allowed: at least {:g}, the atlas's least limit in arcmin",
+                    *question.backlash_arcmin, least_arcmin));
+  }
+  return fmt::format("{}", fmt::join(errors, "\n"));
+}
+
+std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question) {
+  if (const std::string error = atlas_error(question); !error.empty()) {
+    throw io::InvalidInput(error);
+  }
+  const double ratio = nearest(atlas_values(&AtlasPoint::ratio_target), question.ratio);
   std::optional<double> backlash_arcmin, friction;
   if (question.backlash_arcmin) {
     for (const double limit : atlas_values(&AtlasPoint::backlash_arcmin)) {
       if (limit <= *question.backlash_arcmin) backlash_arcmin = limit;
     }
-    if (!backlash_arcmin) {
-      throw io::InvalidInput(fmt::format(
-          "--backlash {:g}: allowed: at least {:g}, the atlas's least "
-          "limit in arcmin",
-          *question.backlash_arcmin, atlas_values(&AtlasPoint::backlash_arcmin).front()));
-    }
   }
   if (question.friction) {
     friction = nearest(atlas_values(&AtlasPoint::friction), *question.friction);
-  }
-  const std::vector<int> planets = atlas_values(&AtlasPoint::planets);
-  if (question.planets && std::ranges::find(planets, *question.planets) == planets.end()) {
-    throw io::InvalidInput(fmt::format("--planets {}: allowed: {} to {}", *question.planets,
-                                       planets.front(), planets.back()));
   }
   std::vector<AtlasPoint> near;
   for (const AtlasPoint& point : atlas()) {

@@ -39,6 +39,9 @@ struct AtlasQuestion {
   std::optional<double> backlash_arcmin{};  ///< the loosest limit of the atlas that keeps it
   std::optional<double> friction{};         ///< the nearest of the atlas
 };
+/// What of a question is beyond the atlas's ratios, numbers of planets or least limit; "" =
+/// nothing.
+std::string atlas_error(const AtlasQuestion& question);
 /// The points of the atlas at its ratio nearest to the one asked for, by proportion.
 /// @throws io::InvalidInput beyond its ratios, numbers of planets or least limit
 std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question);

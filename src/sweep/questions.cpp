@@ -362,11 +362,11 @@ Map map_of(const Database& database, const MapQuestion& question) {
   const Column y = column_of(database, question.y, Role::kResult);
   const Column by = question.by.empty() ? Column{.name = "", .sql = "''"}
                                         : column_of(database, question.by, Role::kCondition);
-  Statement points = database.prepare(fmt::format(
-      "SELECT {0}, {1}, {2}({3}) FROM {4} AND typeof({1}) IN "
-      "('integer', 'real') AND typeof({3}) IN "
-      "('integer', 'real') GROUP BY {0}, {1} ORDER BY {0}, {1}",
-      by.sql, x.sql, question.least ? "min" : "max", y.sql, tasks_of(database, question.tasks)));
+  Statement points =
+      database.prepare(fmt::format("SELECT {0}, {1}, max({2}) FROM {3} AND typeof({1}) IN "
+                                   "('integer', 'real') AND typeof({2}) IN "
+                                   "('integer', 'real') GROUP BY {0}, {1} ORDER BY {0}, {1}",
+                                   by.sql, x.sql, y.sql, tasks_of(database, question.tasks)));
   Map map{.title = "", .x = x.name, .y = y.name, .by = by.name, .lines = {}};
   while (points.step()) {
     const std::string name = points.is_null(0) ? "default" : text_of(points.value(0));

@@ -73,8 +73,7 @@ Rows answer_to(const Database& database, const std::string& sql);
 struct MapQuestion {
   AskedTasks tasks = {};
   std::string x, y;
-  std::string by;      ///< "" = one line
-  bool least = false;  ///< of several results at one point the least instead of the greatest
+  std::string by;  ///< "" = one line
 };
 struct Map {
   std::string title, x, y, by;

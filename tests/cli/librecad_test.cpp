@@ -15,7 +15,7 @@ namespace {
 
 using test::example, test::read_text, test::Workplace;
 
-const std::vector<std::string> kDrawings{"S", "P1", "R1", "P2", "R2", "train"};
+const std::vector<std::string> kDrawings{"S", "P1", "R1", "P2", "R2", "train", "assembly"};
 
 /// Runs a command line in a folder with its output in files there.  @returns the exit code
 int run_in(const std::filesystem::path& folder, const std::string& command) {

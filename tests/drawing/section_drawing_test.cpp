@@ -230,6 +230,19 @@ struct SectionReader : public DL_CreationAdapter {
   std::vector<double> lengths;
 };
 
+TEST(SectionDrawing, DxfIsAsciiWithEscapesOfItsRelease) {
+  std::string design = std::string(kDesign) + kAxial;
+  const std::string name = "\"section\"";
+  design.replace(design.find(name), name.size(), "\"Prüf ⚙ 𝛼 50%%d 5% a^b \\\\U+0041\"");
+  const std::string text = dxf_text(drawn(design).section);
+  EXPECT_TRUE(
+      std::ranges::all_of(text, [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); }));
+  // UTF-16 of each: U+00FC, U+2699, and U+1D6FC as a pair of surrogates.
+  EXPECT_NE(text.find("Pr\\U+00FCf \\U+2699 \\U+D835\\U+DEFC 50%%%%%%d 5% a\\U+005Eb "
+                      "\\U+005CU+0041"),
+            std::string::npos);
+}
+
 TEST(SectionDrawing, DxfReadsBackWithBodiesDimensionsAndNotes) {
   const Drawn d = drawn(std::string(kDesign) + kAxial);
   std::istringstream stream(dxf_text(d.section));

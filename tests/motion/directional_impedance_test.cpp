@@ -34,7 +34,7 @@ struct Line {
 
 // Section 3.2 and eqs. 3.3, 3.4: slopes at constant speed give back the losses of Table 3.1.
 TEST(DirectionalImpedance, SlopesOfTheBenchAtConstantSpeedAreItsLosses) {
-  const auto actuator = io::read_actuator(example("directional_bench.toml"));
+  const auto actuator = io::read_actuator(example("directional_bench.toml")).actuator;
   const auto scenario = io::read_scenario(example("directional_bench_load.toml")).scenario;
   const Motion m = simulate(actuator, scenario);
   Line forward, backward;

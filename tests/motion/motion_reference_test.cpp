@@ -59,7 +59,7 @@ class MotionReference : public testing::TestWithParam<std::pair<const char*, con
 TEST_P(MotionReference, HasTheEventsOfAnotherIntegratorAndText) {
   const auto [drive, what] = GetParam();
   const Reference expected = read_reference(fmt::format("{}.{}.events.csv", drive, what));
-  const auto actuator = io::read_actuator(golden(std::string(drive) + ".toml"));
+  const auto actuator = io::read_actuator(golden(std::string(drive) + ".toml")).actuator;
   auto scenario = io::read_scenario(golden(std::string(what) + ".toml")).scenario;
   scenario.solver.relative_tolerance = 1e-10;
   const auto m = motion::simulate(actuator, scenario);

@@ -27,9 +27,11 @@ TEST(Fields, WhatIsNotThereIsNullAndHasNoRow) {
   f.add("a", nullptr, {"a"});
   f.add("b", std::numeric_limits<double>::quiet_NaN(), {"b"});
   f.add("c", std::optional<double>(), {"c"});
+  f.add("d", std::numeric_limits<double>::infinity(), {"d"});
   f.add("check", nullptr, {.quantity = "check", .limit = "0", .ok = "false"});
   EXPECT_EQ(f.csv_rows(), "S,check,,,0,false\n") << "a check says so where it has no value";
-  EXPECT_EQ(f.csv_values(), ",,,\n");
+  EXPECT_TRUE(f.rows().empty());
+  EXPECT_EQ(f.csv_values(), ",,,,\n");
   EXPECT_TRUE(f.json().at("a").is_null());
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "actuator/design_gear.hpp"
 #include "io/files/design_file.hpp"
@@ -61,7 +62,7 @@ void take_design(const std::string& path, double least_speed_rad_s, actuator::Ac
   }
 }
 
-actuator::Actuator actuator_from(const TomlValue& document, const std::string& name) {
+ActuatorFiles actuator_from(const TomlValue& document, const std::string& name) {
   using enum DocumentKind;
   refuse_other_documents(document, name, {kActuator, kBlackBox},
                          "ACTUATOR takes a file with [motor] and [gearbox]");
@@ -76,33 +77,32 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
                             .load_inertia_kgm2 = input.load_inertia_kgm2,
                             .felt = input.felt,
                             .train = nullptr};
+  std::vector<std::string> inputs{name};
   resolve_motor(input.motor, result.motor);
   CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
   if (input.gearbox.design.empty()) {
     resolve_gearbox(input.gearbox, result.gearbox);
   } else {
-    const auto folder = std::filesystem::path(name).parent_path();
+    inputs.push_back((std::filesystem::path(name).parent_path() / input.gearbox.design).string());
     errors.attempt([&] {
-      check_named_file((folder / input.gearbox.design).string(), "gearbox.design",
-                       reading.place_of("gearbox.design"));
-      take_design((folder / input.gearbox.design).string(),
-                  input.gearbox.least_friction_speed_rad_s.value_or(0.0), result);
+      check_named_file(inputs.back(), "gearbox.design", reading.place_of("gearbox.design"));
+      take_design(inputs.back(), input.gearbox.least_friction_speed_rad_s.value_or(0.0), result);
     });
   }
   errors.raise();
   if (input.backlash_rad) result.gearbox.backlash_rad = input.backlash_rad;
-  return result;
+  return {.actuator = std::move(result), .inputs = std::move(inputs)};
 }
 
 }  // namespace
 
-actuator::Actuator read_actuator(const std::string& path) {
+ActuatorFiles read_actuator(const std::string& path) {
   return actuator_from(read_toml(path), path);
 }
 
 actuator::Actuator parse_actuator(const std::string& text, const std::string& name) {
-  return actuator_from(parse_toml(text, name), name);
+  return actuator_from(parse_toml(text, name), name).actuator;
 }
 
 namespace {

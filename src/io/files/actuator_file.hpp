@@ -2,15 +2,22 @@
 // ACTUATOR.toml.
 
 #include <string>
+#include <vector>
 
 #include "actuator/actuator.hpp"
 
 namespace gear3k::io {
 
+/// An actuator, and the paths of all that was read.
+struct ActuatorFiles {
+  actuator::Actuator actuator;
+  std::vector<std::string> inputs;
+};
+
 /// Reads an ACTUATOR file, and the DESIGN file that it names (seen from its own folder).
 /// @throws InvalidInput with every error of both files
-actuator::Actuator read_actuator(const std::string& path);
-/// The same from a text; `name` stands for the file in messages and for its folder.
+ActuatorFiles read_actuator(const std::string& path);
+/// An actuator from a text; `name` stands for the file in messages and for its folder.
 actuator::Actuator parse_actuator(const std::string& text, const std::string& name);
 
 /// The file of an actuator whose gearbox is a DESIGN file.

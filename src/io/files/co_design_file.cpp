@@ -49,7 +49,10 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   if (!input.motor.empty()) {
     errors.attempt([&] {
       const std::string path = source(input.motor, "actuator.motor");
-      const actuator::Actuator stated = read_actuator(path);
+      ActuatorFiles files = read_actuator(path);
+      const actuator::Actuator& stated = files.actuator;
+      // The first is the file itself.
+      sources.insert(sources.end(), files.inputs.begin() + 1, files.inputs.end());
       refuse_hot_surroundings(stated.motor, task.ambient_K, path);
       task.motors.push_back(
           {.name = stated.name.empty() ? std::filesystem::path(path).stem().string() : stated.name,
@@ -87,14 +90,14 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
 }
 
 optimize::FeltTask felt_of(const CoDesignInput& in, const actuator::Motor& motor,
-                           std::string source) {
+                           std::vector<std::string> sources) {
   optimize::FeltTask task{
       .rotor_inertia_kgm2 = motor.rotor_inertia_kgm2,
       .coulomb_Nm = motor.coulomb_Nm,
       .static_Nm = motor.static_Nm,
       .load_inertia_kgm2 = in.selection.task.load_inertia_kgm2,
       .transparency_torque_Nm = in.selection.task.felt.transparency_torque_Nm.value_or(0.0),
-      .source = std::move(source)};
+      .sources = std::move(sources)};
   const auto add = [&](optimize::FeltQuantity quantity, const std::optional<double>& most) {
     if (most) task.limits.push_back({.quantity = quantity, .value = *most});
   };
@@ -108,7 +111,8 @@ optimize::FeltTask read_felt(const CoDesignInput& in, const std::string& file,
                              const FileReading& reading) {
   const std::string path = (std::filesystem::path(file).parent_path() / in.motor).string();
   check_named_file(path, "actuator.motor", reading.place_of("actuator.motor"));
-  return felt_of(in, read_actuator(path).motor, path);
+  ActuatorFiles files = read_actuator(path);
+  return felt_of(in, files.actuator.motor, std::move(files.inputs));
 }
 
 void check_felt_task(const optimize::Specification& spec, FileReading& reading) {

@@ -26,7 +26,7 @@ optimize::FeltTask read_felt(const CoDesignInput& input, const std::string& file
                              const FileReading& reading);
 /// The same for the only motor of a co-design.
 optimize::FeltTask felt_of(const CoDesignInput& input, const actuator::Motor& motor,
-                           std::string source);
+                           std::vector<std::string> sources);
 
 /// What the objective cycle_energy cannot be had with.
 void check_cycle_energy(const optimize::Specification& spec, FileReading& reading);

@@ -263,6 +263,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
       if (has_circles) check_bore(input, places[i], input.masses.bore_radius_m[i], gear, reading);
       continue;
     }
+    if (input.masses.bore_radius_m[i] > 0.0) {
+      reading.error_at(places[i].path + ".bore_mm",
+                       fmt::format("{}.bore_mm: allowed for S, P1 and P2 only (a ring has "
+                                   "outer_diameter_mm)",
+                                   places[i].path));
+    }
     rings_known = rings_known && has_circles;
     if (has_circles) {
       const geometry::GearGeometry<double> circles = circles_of(input, gear);

@@ -134,11 +134,14 @@ std::vector<actuator::CatalogueGearbox> refined_gearboxes(const CsvTable& table,
   CatalogueRows rows(table, slips);
   rows.require({"zS", "zP1", "zR1", "zP2", "zR2", "status", "ratio", "eta_b", "eta_f"});
   constexpr double kAny = -std::numeric_limits<double>::infinity();
+  constexpr double kMostPlanets = 1000.0;
   std::vector<actuator::CatalogueGearbox> gearboxes;
   for (const CsvTable::Row& row : table.rows) {
     if (table.text(row, "status") != "optimal") continue;
     const auto teeth = [&](const char* gear) { return table.text(row, gear).value_or("?"); };
     actuator::CatalogueGearbox g;
+    g.planets =
+        static_cast<int>(rows.number(row, "planets", 0.0, true, kMostPlanets).value_or(0.0));
     g.name = fmt::format("{}/{}/{}/{}/{}", teeth("zS"), teeth("zP1"), teeth("zR1"), teeth("zP2"),
                          teeth("zR2"));
     g.gearbox.ratio = rows.required(row, "ratio", kAny, true);
@@ -181,11 +184,17 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
   }
   actuator::CatalogueGearbox g;
   g.name = design.name.empty() ? std::filesystem::path(path).stem().string() : design.name;
+  g.file = path;
+  g.planets = design.train.planets;
   g.gearbox.ratio = train::ratio(design.train.teeth);
   g.gearbox.efficiency_forward = *evaluation->efficiency.forward;
   g.gearbox.efficiency_backward = *evaluation->efficiency.backward;
   if (evaluation->inertia) g.gearbox.output_inertia_kgm2 = evaluation->inertia->lossless_kgm2;
   g.gearbox.mass_kg = evaluation->total_mass_kg;
+  if (evaluation->strength) {
+    const auto least = evaluation->strength->least_capacity();
+    if (least) g.continuous_Nm = g.intermittent_Nm = least->capacity.torque_Nm;
+  }
   return g;
 }
 
@@ -211,14 +220,19 @@ void read_parts(const SelectionInput& input, const std::string& of, const FileRe
         files.inputs.push_back(path_of(name));
         check_named_file(path_of(name), "gearboxes", reading.place_of("gearboxes"));
         if (look_of(read_toml(path_of(name))).kind == DocumentKind::kSpecification) {
-          files.tasks.push_back(read_specification(path_of(name), optimize::kMostRefinedSets));
+          files.tasks.push_back(
+              {.file = path_of(name),
+               .spec = read_specification(path_of(name), optimize::kMostRefinedSets)});
+          const auto named = named_files(files.tasks.back().spec);
+          files.inputs.insert(files.inputs.end(), named.begin(), named.end());
           return;
         }
         all.push_back(designed_gearbox(path_of(name)));
         return;
       }
-      const auto more =
+      auto more =
           parse_gearboxes(text_of(name, "gearboxes"), path_of(name), input.backward_over_forward);
+      for (actuator::CatalogueGearbox& g : more) g.file = path_of(name);
       all.insert(all.end(), more.begin(), more.end());
     });
   }

@@ -10,12 +10,17 @@
 
 namespace gear3k::io {
 
+/// A SPEC of `optimize`, whose designs are still to be made.
+struct GearboxTask {
+  std::string file;
+  optimize::Specification spec;
+};
+
 /// A task with all that its file names, and the paths of it.
 struct SelectionFiles {
   actuator::SelectionTask task;
   std::vector<std::string> inputs;
-  /// SPEC files of `optimize` among the gearboxes: their designs are still to be made.
-  std::vector<optimize::Specification> tasks{};
+  std::vector<GearboxTask> tasks{};  ///< among the gearboxes
 };
 
 /// Reads a SPEC with its catalogues and cycles, their paths as seen from its folder.

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "actuator/co_design.hpp"
 #include "design/rating_inputs.hpp"
 #include "geometry/rack_point.hpp"
 #include "io/files/co_design_file.hpp"
@@ -402,7 +403,7 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
         const auto co_design = read_co_design(in, name, reading);
         const auto& motors = co_design->task().motors;
         if (limits_felt(in) && motors.size() == 1) {
-          spec.felt = felt_of(in, motors.front().motor, co_design->sources().front());
+          spec.felt = felt_of(in, motors.front().motor, co_design->sources());
         }
         spec.cycle_energy = co_design;
       }
@@ -529,6 +530,12 @@ std::vector<StatedKey> stated_keys(const TomlValue& document) {
         {.key = {.path = path, .gear = f.gear, .value = std::move(value)}, .usual = usual});
   }
   return keys;
+}
+
+std::vector<std::string> named_files(const optimize::Specification& spec) {
+  const actuator::CoDesign* const co_design = actuator::co_design_of(spec.cycle_energy.get());
+  if (co_design != nullptr) return co_design->sources();
+  return spec.felt ? spec.felt->sources : std::vector<std::string>();
 }
 
 void check_keys(const TomlValue& part, FileReading& reading) {

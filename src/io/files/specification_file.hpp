@@ -23,6 +23,9 @@ optimize::Specification parse_specification(const std::string& text, const std::
 optimize::Specification specification_of(const TomlValue& document, const std::string& name,
                                          double most_sets = optimize::kMostRankedSets);
 
+/// Files that [actuator] and [cycle] of a SPEC name, and those that they name.
+std::vector<std::string> named_files(const optimize::Specification& spec);
+
 /// A key that a SPEC states.
 struct StatedKey {
   StatedValue key;

@@ -226,8 +226,10 @@ struct Matcher {
 
   void walk(const TomlValue& table, const std::string& prefix) {
     for (const TomlValue& member : table.table) {
-      const std::string path =
-          prefix.empty() ? member.key : fmt::format("{}.{}", prefix, member.key);
+      // A quoted key with a dot in it names none, though its path may read as one that does.
+      const bool dotted = member.key.find('.') != std::string::npos;
+      const std::string name = dotted ? fmt::format("\"{}\"", member.key) : member.key;
+      const std::string path = prefix.empty() ? name : fmt::format("{}.{}", prefix, name);
       const auto key = index.by_path.find(path);
       const bool known = key != index.by_path.end();
       const bool is_table = member.kind == TomlValue::Kind::kTable;

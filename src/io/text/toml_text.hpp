@@ -26,7 +26,7 @@ inline std::string toml_quoted(const std::string& text) {
 
 /// A finite float as TOML wants it: with a point or an exponent; read back, the same number.
 inline std::string toml_number(double value) {
-  std::string text = fmt::format("{}", value);
+  std::string text = fmt::format("{}", value + 0.0);  // minus zero is zero
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }
