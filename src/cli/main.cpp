@@ -124,7 +124,6 @@ void add_columns(CLI::App& command, int& columns, int least, const char* help) {
   command.add_option("--columns", columns, help)->check(cli::within(least, 500))->option_text("N");
 }
 
-/// @param never  names of parts that the subject never has
 void add_show_options(CLI::App& command, cli::ShowOptions& options,
                       const std::vector<std::string>& never = {}) {
   std::vector<std::string> parts(report::kSectionNames.begin(), report::kSectionNames.end());

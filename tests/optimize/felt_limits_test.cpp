@@ -37,7 +37,7 @@ FeltTask motor(std::vector<FeltLimit> limits) {
           .load_inertia_kgm2 = 0.002,
           .transparency_torque_Nm = 2.0,
           .limits = std::move(limits),
-          .source = {}};
+          .sources = {}};
 }
 
 /// What is felt with these efficiencies, from the two flows of a gear without mass.

@@ -61,7 +61,7 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
                           .limits = {{FeltQuantity::kInertia, 0.03},
                                      {FeltQuantity::kBreakaway, 0.25},
                                      {FeltQuantity::kTransparency, 0.3}},
-                          .source = {}};
+                          .sources = {}};
     spec_.objectives = {v.objective};
     spec_.ratio.target = v.ratio;
     Progress progress;
