@@ -342,7 +342,7 @@ class Run {
   void prove_each_number_of_planets() {
     std::vector<int> numbers = spec_.planets;
     std::ranges::sort(numbers);
-    numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
     progress_.stage_done = 0;
     progress_.stage_total = numbers.size();
     progress_.stage = Progress::Stage::kPlanets;
