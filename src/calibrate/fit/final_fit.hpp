@@ -30,9 +30,8 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
 
 /// What the rows say of a hypothesis' parameters together, J the whitened derivatives.
 struct InverseNormal {
-  Eigen::VectorXd
-      variance;  ///< diagonal of (JᵀJ)⁻¹; of what they do not determine the pseudoinverse
-  Eigen::VectorXd inflation;  ///< of it by the other parameters: 1/(1 − R²), Marquardt 1970
+  Eigen::VectorXd variance;   ///< diagonal of (JᵀJ)⁻¹, or of the pseudoinverse
+  Eigen::VectorXd inflation;  ///< of it by the others: 1/(1 − R²), R² of a column of J by theirs
 };
 InverseNormal inverse_normal(const Problem& problem, const Hypothesis& h);
 

@@ -100,8 +100,8 @@ Step far_step(const Spot& from, const std::vector<ParameterRecord>& records, dou
 }
 
 /// Step to the least of the square that has Huber's function below it and touches it at every
-/// residual, Σ w_i (r_i − J_i Δ)² with w_i = min(1, kWinsor σ/|r_i|).
-/// Source: Huber and Ronchetti, Robust Statistics, 2009, section 7.8 (modified weights).
+/// residual, Σ w_i (r_i − J_i Δ)² with w_i = min(1, b/|r_i|), b = kWinsor σ.
+/// Source: own derivation, 2 |x| ≤ x²/|r| + |r| with equality at x = r, times b.
 Step near_step(const Spot& from, const std::vector<ParameterRecord>& records, double scale) {
   const Eigen::VectorXd& residual = from.rows.residual;
   const double bound = kWinsor * scale;

@@ -124,10 +124,11 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
     for (std::size_t e = 0; e < best.hypothesis().effects.size(); ++e) {
       // All from the same fit: the first that is better may be another one's likeness.
       const Hypothesis from = best.hypothesis();
+      std::vector<Hypothesis> freer;
       for (const Candidate& form : all) {
-        if (!may_free(from, e, form)) continue;
-        again = best.offer(in_form(from, e, form)) || again;
+        if (may_free(from, e, form)) freer.push_back(in_form(from, e, form));
       }
+      again = best.offer_all(std::move(freer)) || again;
     }
     again = again || offer_own_level(all, best);
   }
