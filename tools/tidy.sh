@@ -31,7 +31,7 @@ groups=(
 )
 
 # units: "target TAB object TAB source" of every source, those of a large source one by one.
-# commands/TARGET: the command that compiles it, without its source and object.
+# commands/TARGET: the command that compiles it, without its source and object, as it stands in JSON.
 rm -rf "$work/commands" "$work/new"
 mkdir -p "$work/commands" "$work/new"
 awk -v root="$root/" -v commands="$work/commands/" '
@@ -68,6 +68,10 @@ seldom_checks=(
 seldom=$(printf ',-%s' "${seldom_checks[@]}")
 seldom=${seldom#,}
 
+# A word of such a command; blanks may stand between quotes.
+escaped='\\\\(\\.|[^\])'
+word="(\\\\\"($escaped|[^\"\\\\])*\\\\\"|$escaped|[^ \"\\\\])+"
+
 # One source per group, and one compile_commands.json for them.
 entries=
 list=
@@ -80,7 +84,7 @@ add_group() {
     [ -f "$work/commands/$target" ] || continue
     command=$(tail -n 1 "$work/commands/$target")
     # What the others define and include besides.
-    command+=$(sort -u "$work/commands/$target" "${added[@]}" | tr ' ' '\n' | awk '
+    command+=$(sort -u "$work/commands/$target" "${added[@]}" | grep -oE "$word" | awk '
       separate { print $0; separate = 0; next }
       /^-isystem$/ { printf "%s ", $0; separate = 1; next }
       /^-[DI]./' | awk '!seen[$0]++ { printf " %s", $0 }')
@@ -102,7 +106,7 @@ add_group() {
   cmp -s "$source" "$work/$name.cpp" || cp "$source" "$work/$name.cpp"
   printf '%s\n' "$command" >"$work/new/$name.command"
   entries+="${entries:+,}{\"directory\": \"$build\", \"file\": \"$work/$name.cpp\",
-\"command\": \"$command -c $work/$name.cpp\"}"
+\"command\": \"$command -c \\\"$work/$name.cpp\\\"\"}"
   list+="$name"$'\n'
 }
 named=" "
@@ -120,12 +124,12 @@ printf '[%s]\n' "$entries" >"$work/compile_commands.json"
 state_of() {
   {
     cat "$work/$1.cpp" "$work/new/$1.command"
-    xargs ninja -C "$build" -t deps <"$work/new/$1.objects" |
+    xargs -d '\n' ninja -C "$build" -t deps <"$work/new/$1.objects" |
       awk -v root="$root/" -v build="$build/" '
         / deps not found/ { print > "/dev/stderr"; exit 1 }
         /^    / { path = substr($0, 5); if (path !~ /^\//) path = build path
                   if (index(path, root) == 1 && index(path, build) != 1) print path }' |
-      sort -u | xargs sha256sum "$root/.clang-tidy" "$root/tools/tidy.sh"
+      sort -u | xargs -d '\n' sha256sum "$root/.clang-tidy" "$root/tools/tidy.sh"
   } | sha256sum
 }
 tidy_group() {
