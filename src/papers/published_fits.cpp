@@ -64,14 +64,14 @@ double efficiency_at(const Design& design, double mu, LossModel model, Direction
   return or_nan(direction == Direction::kForward ? e.efficiency.forward : e.efficiency.backward);
 }
 
-namespace {
-
-/// The friction that gives a measured efficiency (efficiency falls with μ).
 std::optional<double> fitted_friction(const Design& design, LossModel model, Direction direction,
-                                      double measured) {
+                                      double efficiency) {
   return root_of_increasing(
-      [&](double mu) { return measured - efficiency_at(design, mu, model, direction); }, 0.0, 0.5);
+      [&](double mu) { return efficiency - efficiency_at(design, mu, model, direction); }, 0.0,
+      0.5);
 }
+
+namespace {
 
 /// Loss model `directional` with friction (1 + a) mu in approach and (1 - a) mu in recess; a = -1,
 /// 1: all of it on one side of the pitch point.

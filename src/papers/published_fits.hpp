@@ -37,6 +37,10 @@ std::optional<double> explaining_allowance(const design::Design& design, double 
 double efficiency_at(const design::Design& design, double mu, efficiency::LossModel model,
                      design::Direction direction);
 
+/// Friction that gives an efficiency (which falls with μ) in a direction; empty when none does.
+std::optional<double> fitted_friction(const design::Design& design, efficiency::LossModel model,
+                                      design::Direction direction, double efficiency);
+
 /// One loss model with the friction that explains the measured forward efficiency.
 /// Both efficiencies of the gearbox must have been measured.
 FrictionFit friction_fit(const PublishedGearbox& gearbox, efficiency::LossModel model);

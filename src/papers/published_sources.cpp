@@ -124,6 +124,7 @@ PublishedSources published_sources() {
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
   sources.low_backlash.stated_lost_motion_rad =
       units::to_si(stated("simulated_lost_motion"), units::Unit::kArcmin);
+  sources.low_backlash.stated_backward = 0.01 * stated("simulated_backward");
   sources.bilateral =
       gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
   sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{

@@ -130,6 +130,22 @@ void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& 
                   .decimals = 2});
 }
 
+void append_efficiency_row(const PublishedGearbox& gearbox, const Evaluation& e,
+                           std::vector<ComparedRow>& rows) {
+  const auto in_percent = [](std::optional<double> eta) {
+    if (eta) eta = report::percent(*eta);
+    return eta;
+  };
+  rows.push_back(
+      {.quantity = fmt::format("backward efficiency (eq. 19), mu = {:g}", kTableFriction),
+       .unit = "%",
+       .paper = in_percent(gearbox.stated_backward),
+       .equations = in_percent(e.efficiency.backward),
+       .exact = {},
+       .measured = in_percent(gearbox.measured_backward),
+       .decimals = 1});
+}
+
 /// The factors with which J_S and J_P (one planet, both steps) appear in the output's inertia.
 void append_inertia_rows(const Evaluation& e, std::vector<ComparedRow>& rows) {
   const train::SpeedRatios w = train::speed_ratios(e.teeth);
@@ -178,6 +194,7 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
                                .recess_only_backward = {}};
   append_geometry_rows(gearbox, e, comparison.rows);
   append_lost_motion_rows(gearbox, e, comparison.rows);
+  append_efficiency_row(gearbox, e, comparison.rows);
   append_inertia_rows(e, comparison.rows);
   for (const double mu : {0.05, 0.075, 0.10, 0.125, 0.15}) {
     const auto eta = [&](LossModel model, Direction direction) {

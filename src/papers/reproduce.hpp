@@ -25,6 +25,7 @@ struct PublishedGearbox {
   std::optional<double> stated_ratio;
   std::optional<double> stated_lost_motion_rad;  ///< the authors' simulation
   std::optional<double> measured_lost_motion_rad;
+  std::optional<double> stated_backward;  ///< efficiency of the authors' simulation
   std::optional<std::array<double, train::kMeshCount>> stated_contact_ratio;
   std::optional<double> measured_forward, measured_backward;  ///< efficiencies
   std::optional<double> outer_diameter_m;
