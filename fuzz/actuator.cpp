@@ -12,12 +12,11 @@ using namespace gear3k;
 
 FUZZER(actuator)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
-    const auto files = fuzz::two_files(text);
-    if (!files) return;
+    const auto files = fuzz::both_files(text);
     const app::ActuatorRequest request{
-        .actuator = io::parse_actuator(files->first, fuzz::kNameAmongActuators),
+        .actuator = io::parse_actuator(files.first, fuzz::kNameAmongActuators),
         .source = fuzz::kName,
-        .cycle = io::parse_cycle(files->second, "fuzz.csv"),
+        .cycle = io::parse_cycle(files.second, "fuzz.csv"),
         .impedance = std::nullopt,
         .without_each = true,
         .keep_instants = true,

@@ -17,7 +17,13 @@ using namespace gear3k;
 
 namespace {
 
-constexpr std::size_t kMostRows = 24;
+// A loop has eight samples of each flank between reversal and zero torque, and all of them are one
+// row of the diagnosis.
+constexpr std::size_t kMostRows = 24, kMostSamples = 100;
+
+std::size_t most_lines(const std::string& data) {
+  return data.find("torque_angle") == std::string::npos ? kMostRows : kMostSamples;
+}
 
 calibrate::Subject subject_of(const std::string& text) {
   switch (io::look_of(io::parse_toml(text, fuzz::kName)).kind) {
@@ -31,13 +37,14 @@ calibrate::Subject subject_of(const std::string& text) {
 }
 
 void diagnose(const std::string& text) {
-  const auto files = fuzz::two_files(text);
-  if (!files) return;
-  if (fuzz::has_more_lines(files->second, kMostRows)) return;
+  const auto files = fuzz::both_files(text);
+  if (fuzz::has_more_lines(files.second, most_lines(files.second))) {
+    throw io::InvalidInput("too many rows");
+  }
   const app::DiagnosisTask task = app::diagnosis_task(
-      {.subject = subject_of(files->first),
+      {.subject = subject_of(files.first),
        .source = fuzz::kName,
-       .data = io::parse_measurements({{.path = "fuzz.csv", .text = files->second}})});
+       .data = io::parse_measurements({{.path = "fuzz.csv", .text = files.second}})});
   const auto results = app::diagnose(task, {});
   fuzz::write(report::diagnosis_json(*results, task.sets, {}));
   report::diagnosis_table(*results, task.sets, {});

@@ -6,7 +6,7 @@
 
 namespace gear3k::fuzz {
 
-/// What a fuzzer does with an input.
+/// What a fuzzer does with an input; a replayed one returns 1 when a command refused it.
 using Entry = int (*)(const std::uint8_t* data, std::size_t size);
 
 /// Makes a fuzzer known to replay.cpp.

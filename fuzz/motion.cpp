@@ -12,14 +12,14 @@ namespace {
 constexpr std::size_t kMostLogRows = 600;
 
 void diagnose_log(const std::string& text) {
-  const auto files = fuzz::two_files(text);
-  if (!files || fuzz::has_more_lines(files->second, kMostLogRows)) return;
+  const auto files = fuzz::both_files(text);
+  if (fuzz::has_more_lines(files.second, kMostLogRows)) throw io::InvalidInput("too long a log");
   const app::DiagnoseMotionRequest request{
-      .actuator = io::parse_actuator(files->first, fuzz::kNameAmongActuators),
+      .actuator = io::parse_actuator(files.first, fuzz::kNameAmongActuators),
       .source = fuzz::kName,
       .data = {}};
   const report::MotionDiagnosisResult result = app::diagnose_motion(
-      request, io::parse_motion_log("fuzz.csv", files->second, app::log_scale(request.actuator)));
+      request, io::parse_motion_log("fuzz.csv", files.second, app::log_scale(request.actuator)));
   report::motion_diagnosis_json(result);
   report::motion_diagnosis_table(result);
   report::motion_window_csv(result);

@@ -1,5 +1,6 @@
 // Gives a fuzzer the inputs of folders, for builds without libFuzzer: a crash or an exception is
-// the finding.   fuzz_replay NAME FOLDER...
+// the finding, and of fuzz/corpus an input that is refused, or is not and named refused_*.
+//   fuzz_replay NAME FOLDER...
 
 #include <algorithm>
 #include <cstddef>
@@ -47,17 +48,25 @@ int main(int argc, char** argv) {
     std::printf("\n");
     return 1;
   }
-  std::size_t inputs = 0;
+  std::size_t inputs = 0, refused = 0, wrongly = 0;
   for (int k = 2; k < argc; ++k) {
     for (const std::filesystem::path& path : fuzz::files_of(argv[k])) {
       std::printf("%s\n", path.c_str());
       std::fflush(stdout);  // the last one is the one that crashed
       std::ifstream file(path, std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-      fuzzer->second(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      const bool refuses =
+          fuzzer->second(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) != 0;
       ++inputs;
+      refused += refuses ? 1 : 0;
+      const bool kept = path.parent_path().parent_path().filename() == "corpus";
+      const bool wrong = kept && refuses != path.filename().string().starts_with("refused_");
+      wrongly += wrong ? 1 : 0;
+      if (refuses || wrong) {
+        std::printf("  %s%s\n", refuses ? "refused" : "accepted", wrong ? ", unlike its name" : "");
+      }
     }
   }
-  std::printf("%zu inputs\n", inputs);
-  return inputs > 0 ? 0 : 1;
+  std::printf("%zu inputs, %zu refused\n", inputs, refused);
+  return inputs > 0 && wrongly == 0 ? 0 : 1;
 }

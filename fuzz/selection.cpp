@@ -20,7 +20,7 @@ constexpr std::size_t kMostCatalogueRows = 12;
 
 void select_pairs(const std::string& text) {
   const std::vector<std::string> files = fuzz::files_of(text);
-  if (files.size() != 4) return;
+  if (files.size() != 4) throw io::InvalidInput("not four files");
   const auto text_of = [&](const std::string& name) {
     constexpr std::array<std::string_view, 3> kNames{"m", "g", "c"};
     const auto* const at = std::ranges::find(kNames, name);
@@ -31,7 +31,9 @@ void select_pairs(const std::string& text) {
     return files[place];
   };
   const actuator::SelectionTask task = io::parse_selection(files[0], fuzz::kName, text_of).task;
-  if (task.cycles.size() > 3 || task.gearboxes.size() > kMostCatalogueRows) return;
+  if (task.cycles.size() > 3 || task.gearboxes.size() > kMostCatalogueRows) {
+    throw io::InvalidInput("too many pairs");
+  }
   const actuator::Selection selection = actuator::select(task);
   report::selection_json(task, selection);
   report::selection_csv(task, selection);

@@ -14,12 +14,11 @@ using namespace gear3k;
 namespace {
 
 void simulate(const std::string& text) {
-  const auto files = fuzz::two_files(text);
-  if (!files) return;
+  const auto files = fuzz::both_files(text);
   app::SimulateRequest request{
-      .actuator = io::parse_actuator(files->first, fuzz::kNameAmongActuators),
+      .actuator = io::parse_actuator(files.first, fuzz::kNameAmongActuators),
       .source = fuzz::kName,
-      .scenario = io::parse_scenario(files->second, fuzz::kNameAmongActuators).scenario};
+      .scenario = io::parse_scenario(files.second, fuzz::kNameAmongActuators).scenario};
   motion::Scenario& scenario = request.scenario;
   scenario.solver.max_steps = std::min<std::int64_t>(scenario.solver.max_steps, 500);
   scenario.solver.max_events = std::min<std::int64_t>(scenario.solver.max_events, 50);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/text/diagnostics.hpp"
@@ -31,6 +32,13 @@ inline std::optional<TwoFiles> two_files(const std::string& text) {
   return TwoFiles{.first = text.substr(0, at + 1), .second = text.substr(at + separator.size())};
 }
 
+/// The same of a command; refused where there is no such line.
+inline TwoFiles both_files(const std::string& text) {
+  auto files = two_files(text);
+  if (!files) throw io::InvalidInput("no line ---");
+  return *std::move(files);
+}
+
 /// An input that is several files in this way.
 inline std::vector<std::string> files_of(const std::string& text) {
   std::vector<std::string> files{text};
@@ -45,6 +53,7 @@ inline bool has_more_lines(const std::string& text, std::size_t most) {
 }
 
 /// Does the work of a command, which may refuse its input with InvalidInput and nothing else.
+/// @returns 0; of an input that is replayed, 1 when it was refused.
 template <class Work>
 int done_or_refused(const std::uint8_t* data, std::size_t size, Work work) {
   omp_set_num_threads(1);
@@ -52,6 +61,9 @@ int done_or_refused(const std::uint8_t* data, std::size_t size, Work work) {
     work(std::string(reinterpret_cast<const char*>(data), size));
   } catch (const io::InvalidInput&) {
     // What a command may do.
+#ifdef GEAR3K_REPLAY
+    return 1;
+#endif
   }
   return 0;
 }
