@@ -247,6 +247,22 @@ std::string implausible_text(const Diagnosis& d) {
   return fmt::format("  It takes physically implausible values: {}.\n", fmt::join(values, ", "));
 }
 
+std::string ambiguous_text(const Diagnosis& d) {
+  std::vector<std::string> doubtful;
+  for (const auto& effect : d.effects) {
+    if (!effect.is_doubtful()) continue;
+    doubtful.push_back(fmt::format("that no cause of the library is behind {} has {} %", effect.id,
+                                   fixed(percent(effect.no_cause), 0)));
+  }
+  if (doubtful.empty()) {
+    return "Verdict: ambiguous. Several causes explain these data as well and would lead to "
+           "different remedies; see the next experiment.\n";
+  }
+  return fmt::format(
+      "Verdict: ambiguous. What is found may be chance: {}; see the next experiment.\n",
+      fmt::join(doubtful, ", "));
+}
+
 std::string verdict_text(const Diagnosis& d) {
   switch (d.verdict) {
     case Verdict::kNoDiscrepancy:
@@ -262,8 +278,7 @@ std::string verdict_text(const Diagnosis& d) {
     case Verdict::kExplained:
       return "Verdict: explained.\n";
     case Verdict::kAmbiguous:
-      return "Verdict: ambiguous. Several causes explain these data as well and would lead to "
-             "different remedies; see the next experiment.\n";
+      return ambiguous_text(d);
     case Verdict::kUnexplained:
       break;
   }
@@ -365,6 +380,15 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
   return text;
 }
 
+/// Whether repeats tell that the simulation as given, the only one there is, misses nothing but
+/// what differs among them.
+bool repeats_scatter_as_much(const Diagnosis& d) {
+  constexpr int kEnough = 10;
+  constexpr double kLikely = 0.05;
+  return d.effects.empty() && d.lack_of_fit.pure_degrees >= kEnough &&
+         d.lack_of_fit.p_value > kLikely;
+}
+
 std::string remainder_text(const Diagnosis& d) {
   const auto& r = d.remainder;
   if (!r.significant && r.minor) {
@@ -382,10 +406,15 @@ std::string remainder_text(const Diagnosis& d) {
   if (r.along.empty()) {
     return fmt::format(
         "Left over: more than noise, along nothing that the data state ({}): root mean square {} "
-        "where noise is {}. The stated sigma is too small, or rows differ in what the file does "
-        "not say.\n",
+        "where noise is {}. {}\n",
         p_statement(r.p_value), error_text(d.errors.extended_train, d, 0.0),
-        error_text(d.errors.noise_floor, d, 0.0));
+        error_text(d.errors.noise_floor, d, 0.0),
+        repeats_scatter_as_much(d)
+            ? "Rows that repeat each other scatter as much, and from condition to condition "
+              "nothing "
+              "is off: the stated sigma is too small, or repeats differ in what the file does not "
+              "say."
+            : "The stated sigma is too small, or rows differ in what the file does not say.");
   }
   std::string text = fmt::format(
       "{}: structure along {}", d.laws.empty() ? "Left over" : "Left over before the law", r.along);

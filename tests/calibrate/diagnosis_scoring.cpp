@@ -202,6 +202,12 @@ Score score(const Scenario& scenario, std::uint64_t seed) {
     result.explanations += 1.0 + static_cast<double>(effect.alternatives.size());
   }
   if (!d.effects.empty()) result.explanations /= static_cast<double>(d.effects.size());
+  result.doubtful = std::ranges::any_of(d.effects, [](const auto& e) { return e.no_cause > 0.5; });
+  // Of several effects the next experiment is about one.
+  const bool asks =
+      d.effects.size() > 1 ||
+      (d.next_experiment && std::ranges::count(d.next_experiment->separates, "no_cause") > 0);
+  result.hides_doubt = result.doubtful && (d.verdict == calibrate::Verdict::kExplained || !asks);
   switch (scenario.expectation) {
     case Expectation::kNothing:
       result.right = off ? !d.remainder.significant && !result.wrong

@@ -35,6 +35,8 @@ struct Score {
   bool wrong = false;         ///< something named that was not hidden
   double explanations = 0.0;  ///< mean number of causes that an effect may be; 0: no effect
   bool has_interval = false, inside = false;  ///< of the first hidden cause's parameter
+  /// An effect that is likelier to have no cause of the library, and a verdict that hides it.
+  bool doubtful = false, hides_doubt = false;
   std::string answer;
 };
 

@@ -1,26 +1,72 @@
+#include <cmath>
+
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::sensor_offset {
 
 namespace {
 
-std::vector<ParameterRecord> parameters(const Form&, Kind) {
-  return {{.name = "offset",
-           .unit = "Nm",
-           .lower = -100.0,
-           .upper = 100.0,
-           .plausible_low = -1.0,
-           .plausible_high = 1.0}};
+/// Zero of a sensor that goes with its temperature: in proportion to T − T_0, with the zero at T_0
+/// given (0) or, once it is found, as a parameter.
+constexpr const char* kWarming = "by_temperature";
+constexpr const char* kWarmingAnyZero = "by_temperature_any_zero";
+/// The greatest zero error [Nm], an assumption.
+constexpr double kMostZero = 1.0;
+constexpr double kCelsius = 273.15;
+
+bool follows_temperature(const Form& form) {
+  return form.name == kWarming || form.name == kWarmingAnyZero;
+}
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+  std::vector<ParameterRecord> result;
+  if (follows_temperature(form)) {
+    constexpr double kOverKelvin = 20.0;
+    result.push_back({.name = "zero_drift",
+                      .unit = "Nm/K",
+                      .lower = -100.0,
+                      .upper = 100.0,
+                      .plausible_low = -kMostZero / kOverKelvin,
+                      .plausible_high = kMostZero / kOverKelvin});
+  }
+  if (form.name != kWarming) {
+    result.push_back({.name = "offset",
+                      .unit = "Nm",
+                      .lower = -100.0,
+                      .upper = 100.0,
+                      .plausible_low = -kMostZero,
+                      .plausible_high = kMostZero});
+  }
+  return result;
 }
 
 std::vector<Form> forms(const Occasion& o) {
   if (o.kind != Kind::kTransmission) return {};
-  return {{.name = "offset"}};
+  std::vector<Form> result{{.name = "offset"}};
+  if (!tells_of_temperature(o)) return result;
+  const auto [coldest_K, warmest_K] = o.temperature_K;
+  const double middle_K = 0.5 * (coldest_K + warmest_K);
+  const auto add = [&](const char* name, double reference_K, double weight) {
+    result.push_back({.name = name,
+                      .constants = {{.name = "reference_temperature",
+                                     .unit = "c",
+                                     .value = reference_K - kCelsius}},
+                      .weight = weight});
+  };
+  add(kWarming, middle_K, 0.2);
+  add(kWarming, coldest_K, 0.08);
+  add(kWarming, warmest_K, 0.08);
+  add(kWarmingAnyZero, middle_K, 0.0);
+  return result;
 }
 
-void apply(const Form&, std::span<const Scalar> p, const Condition& condition, Kind,
+void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind,
            Modification& m) {
-  if (!condition.reference_sensor) m.sensor_offset = m.sensor_offset + p[0];
+  if (condition.reference_sensor) return;
+  if (form.name != kWarming) m.sensor_offset = m.sensor_offset + p.back();
+  if (!follows_temperature(form) || !std::isfinite(condition.temperature_K)) return;
+  const double reference_K = form.constant("reference_temperature") + kCelsius;
+  m.sensor_offset = m.sensor_offset + p[0] * (condition.temperature_K - reference_K);
 }
 
 }  // namespace

@@ -148,7 +148,8 @@ Verdict verdict_of(const Diagnosis& d) {
   if (d.remainder.significant) return Verdict::kUnexplained;
   if (d.effects.empty()) return Verdict::kNoDiscrepancy;
   const bool ambiguous = std::ranges::any_of(d.effects, [](const Effect& effect) {
-    return std::ranges::any_of(effect.alternatives,
+    return effect.is_doubtful() ||
+           std::ranges::any_of(effect.alternatives,
                                [&](const Alternative& a) { return a.remedy != effect.remedy; });
   });
   if (ambiguous) return Verdict::kAmbiguous;
@@ -157,32 +158,46 @@ Verdict verdict_of(const Diagnosis& d) {
                                                         : Verdict::kExplained;
 }
 
+/// The explanation that no cause of the library is behind an effect, in NextExperiment::separates.
+constexpr const char* kNoCause = "no_cause";
+
 /// What separates the explanations of the weightiest part of the discrepancy that has several.
+/// @param effects  of the result, with the probability that no cause is behind them; those of
+///     `hypothesis` and `found`
 /// @param scale  of the treatment of outliers, as of fit()
 /// @param noise  standard deviation of the whitened rows
-std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& effects,
-                                              const std::vector<FoundEffect>& found, double scale,
+std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& hypothesis,
+                                              const std::vector<FoundEffect>& found,
+                                              const std::vector<Effect>& effects, double scale,
                                               double noise, const DiagnoseOptions& options) {
-  // Which cause it is comes before where it sits: that is a question of its own, for its own rows.
-  auto open =
-      std::ranges::find_if(found, [](const FoundEffect& e) { return !e.replacements.empty(); });
-  const bool asks_where = open == found.end();
-  if (asks_where) {
-    open =
-        std::ranges::find_if(found, [](const FoundEffect& e) { return !e.other_bodies.empty(); });
-  }
-  if (open == found.end()) return std::nullopt;
-  const Candidate& own = effects.effects[static_cast<std::size_t>(open - found.begin())];
+  const auto first = [&](const auto& is_open) -> std::optional<std::size_t> {
+    for (std::size_t e = 0; e < found.size(); ++e) {
+      if (is_open(e)) return e;
+    }
+    return std::nullopt;
+  };
+  // Which cause it is, or whether any, comes before where it sits: that is a question of its own,
+  // for its own rows.
+  std::optional<std::size_t> open = first(
+      [&](std::size_t e) { return !found[e].replacements.empty() || effects[e].is_doubtful(); });
+  const bool asks_where = !open;
+  if (asks_where) open = first([&](std::size_t e) { return !found[e].other_bodies.empty(); });
+  if (!open) return std::nullopt;
+  const Candidate& own = hypothesis.effects[*open];
   std::vector<Explanation> explanations{{.id = std::string(own.cause->id),
-                                         .fit = fit(problem, effects, scale),
+                                         .fit = fit(problem, hypothesis, scale),
                                          .body = asks_where ? own.form.body : ""}};
-  for (const Replacement& r : open->replacements) {
+  for (const Replacement& r : found[*open].replacements) {
     explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
   }
-  for (std::size_t k = 0; asks_where && k < open->other_bodies.size(); ++k) {
-    const Replacement& r = open->other_bodies[k];
+  if (asks_where) {
+    for (const Replacement& r : found[*open].other_bodies) {
+      explanations.push_back(
+          {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
+    }
+  } else if (effects[*open].is_doubtful()) {
     explanations.push_back(
-        {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
+        {.id = kNoCause, .fit = fit(problem, without(hypothesis, *open), scale), .is_rest = true});
   }
   return plan_experiment(problem, explanations, noise, options);
 }
@@ -430,8 +445,8 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   std::erase_if(d.notes, tells_of_minor_remainder);
   d.remainder = structure_of(problem, *law, m.levels);
   d.p_value = std::min(d.p_value, d.remainder.p_value);
-  d.verdict = verdict_of(d);
   set_posteriors(d.effects, true);
+  d.verdict = verdict_of(d);
 }
 
 /// The noise, of a row of typical weight.
@@ -565,10 +580,10 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
   d.remainder.minor = minor.has_value();
-  d.verdict = verdict_of(d);
   set_posteriors(d.effects, contest.structure);
-  d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,
-                                      noise.scale, options);
+  d.verdict = verdict_of(d);
+  d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, d.effects,
+                                      found.scale, noise.scale, options);
   d.model = model_of(final, problem, d.effects);
   const Measured all{
       .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};

@@ -62,6 +62,9 @@ struct Effect {
   double p_value = 1.0;              ///< of a gain as great where there is nothing
   /// It could not be told from a missing effect and is preferred because it is a parameter.
   bool preferred_parameter = false;
+
+  /// Whether it is likelier that no cause of the library is behind it.
+  [[nodiscard]] bool is_doubtful() const { return no_cause > 0.5; }
 };
 
 /// Evidence of each cause as the first effect, for the figure.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -221,6 +222,7 @@ struct View {
   Eigen::MatrixXd possible_jacobian;
   Eigen::Index parameters = 0;  ///< of its own
   bool has_level = false;       ///< the coefficient of friction is among them, or all that they do
+  bool is_rest = false;         ///< as of the explanation
 };
 
 /// χ² that remains between explanation `a`, taken as true, and `b` refitted to it: with another
@@ -269,14 +271,18 @@ class Distance {
   double known_ = 0.0;
 };
 
-/// Two explanations, either taken as true.
+/// Two explanations, each taken as true that does not hold the other one.
 struct Pair {
   std::string one, other;
-  std::array<Distance, 2> distances;
+  std::vector<Distance> distances;
 
-  [[nodiscard]] double now() const { return std::min(distances[0].now(), distances[1].now()); }
+  [[nodiscard]] double now() const {
+    return std::ranges::min(distances | std::views::transform(&Distance::now));
+  }
   [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
-    return std::min(distances[0].with(condition, repeats), distances[1].with(condition, repeats));
+    return std::ranges::min(distances | std::views::transform([&](const Distance& d) {
+                              return d.with(condition, repeats);
+                            }));
   }
   void take(Eigen::Index condition, double repeats) {
     for (Distance& d : distances) d.take(condition, repeats);
@@ -292,7 +298,10 @@ bool is_hopeless(Pair pair) {
 }
 
 Pair pair_of(const View& a, const View& b) {
-  return {.one = a.name, .other = b.name, .distances = {Distance(a, b), Distance(b, a)}};
+  Pair pair{.one = a.name, .other = b.name, .distances = {}};
+  if (!a.is_rest) pair.distances.emplace_back(a, b);
+  if (!b.is_rest) pair.distances.emplace_back(b, a);
+  return pair;
 }
 
 /// What the level does as well would be nothing beside it, whatever stands there.
@@ -370,7 +379,8 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
               .possible = fresh.simulated / row_deviation,
               .possible_jacobian = {},
               .parameters = old.own.cols(),
-              .has_level = !level.empty() && beside.empty()};
+              .has_level = !level.empty() && beside.empty(),
+              .is_rest = e.is_rest};
     view.jacobian.resize(old.own.rows(), old.own.cols() + old.other.cols());
     view.jacobian << old.own / scale, old.other / scale;
     view.possible_jacobian.resize(fresh.own.rows(), fresh.own.cols() + fresh.other.cols());

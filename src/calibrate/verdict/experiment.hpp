@@ -13,6 +13,9 @@ struct Explanation {
   std::string id;
   Fit fit;
   std::string body = {};  ///< where several bodies of the cause are in question
+  /// What is left of each other one without the cause in question: where it is true, the others
+  /// fit as well with none of it, so that only they are taken as true against it.
+  bool is_rest = false;
 };
 
 /// Chooses up to four conditions, within the limits of the options, after which the explanations

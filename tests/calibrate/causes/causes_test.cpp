@@ -669,6 +669,33 @@ TEST_F(OnTransmission, SensorGainMultipliesAndOffsetFollowsTheSensorsSign) {
   }
 }
 
+TEST_F(OnTransmission, SensorZeroFollowsTheTemperatureInTheSensorsSign) {
+  constexpr double kPerKelvin = 0.0004, kReference_c = 30.0, kOffset = -0.003;
+  const FormConstant reference{.name = "reference_temperature", .unit = "c", .value = kReference_c};
+  const Hypothesis warming =
+      one("sensor_offset", with_constants("by_temperature", {reference}), {kPerKelvin});
+  const Hypothesis with_zero =
+      one("sensor_offset", with_constants("by_temperature_any_zero", {reference}),
+          {kPerKelvin, kOffset});
+  for (const Condition& given : {forward_, backward_}) {
+    const double sign = given.direction == design::Direction::kForward ? 1.0 : -1.0;
+    for (const double celsius : {10.0, 30.0, 55.0}) {
+      Condition c = given;
+      c.temperature_K = 273.15 + celsius;
+      const double expected = sign * kPerKelvin * (celsius - kReference_c);
+      EXPECT_NEAR(torque(c, warming) - torque(c), expected, kRounding) << celsius;
+      EXPECT_NEAR(torque(c, with_zero) - torque(c), expected + sign * kOffset, kRounding);
+      c.rotation = -c.rotation;
+      EXPECT_NEAR(torque(c, warming) - torque(c), -expected, kRounding) << celsius;
+      c.reference_sensor = true;
+      EXPECT_EQ(torque(c, warming), torque(c));
+    }
+    Condition unknown = given;
+    unknown.temperature_K = kUnknown;
+    EXPECT_EQ(torque(unknown, warming), torque(unknown));
+  }
+}
+
 TEST_F(OnTransmission, RunStepActsFromASessionOnOrUntilThere) {
   const auto step = [](const char* form, const char* constant, double value) {
     return one("run_step", with_constants(form, {{.name = constant, .unit = "", .value = value}}),

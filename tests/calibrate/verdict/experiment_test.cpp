@@ -65,7 +65,7 @@ class Plan : public testing::Test {
                                const std::vector<double>& sigma = {}) const {
     const Simulation simulation(design_, Kind::kTransmission);
     Hypothesis unit = other.hypothesis;
-    unit.value = {0.01};
+    if (!unit.effects.empty()) unit.value = {0.01};
     const auto n = static_cast<Eigen::Index>(conditions.size());
     Eigen::VectorXd y(n);
     // Another coefficient of friction goes with the other explanation; by central differences.
@@ -85,7 +85,8 @@ class Plan : public testing::Test {
           (simulated(simulation, c, more) - simulated(simulation, c, less)) / kStep / row_sigma;
       x(i, 0) = (simulated(simulation, c, unit) - base) / row_sigma;
     }
-    return (y - x * numerics::least_squares(x, y)).squaredNorm();
+    const Eigen::MatrixXd free = unit.effects.empty() ? Eigen::MatrixXd(x.col(1)) : x;
+    return (y - free * numerics::least_squares(free, y)).squaredNorm();
   }
   [[nodiscard]] std::vector<Condition> measured_conditions() const {
     std::vector<Condition> result;
@@ -123,6 +124,32 @@ TEST_F(Plan, ExpectsWhatNewRowsAddToWhatOldRowsHold) {
     least = std::min(least, between(a, b, all) - known);
   }
   EXPECT_NEAR(next.expected_statistic, least, 1e-5 * least);
+}
+
+TEST_F(Plan, TellsACauseFromNoneByWhatTheCauseWouldAdd) {
+  data_ = measured_grid({.sun_speeds_rpm = {400.0, 600.0}, .repeats = 2});
+  measure(hypothesis({constant()}, {0.004}));
+  const Simulation simulation(design_, Kind::kTransmission);
+  const Problem p{.simulation = simulation, .data = data_, .noise = make_noise_model(data_)};
+  const Fit drag = fit(p, with({}, constant()), 10.0);
+  const Fit none = fit(p, {}, 10.0);
+  std::vector<Explanation> explanations{{.id = "drag_constant", .fit = drag},
+                                        {.id = "no_cause", .fit = none, .is_rest = true}};
+  const NextExperiment next = plan_experiment(p, explanations, kNoise, {});
+  EXPECT_EQ(next.separates, (std::vector<std::string>{"drag_constant", "no_cause"}));
+  EXPECT_TRUE(next.inseparable.empty()) << next.advice;
+  ASSERT_FALSE(next.conditions.empty());
+  const std::vector<Condition> old = measured_conditions();
+  std::vector<Condition> all = old;
+  for (const ProposedCondition& c : next.conditions) {
+    for (int k = 0; k < c.repeats; ++k) all.push_back(c.condition);
+  }
+  const double expected = between(drag, none, all) - between(drag, none, old);
+  EXPECT_GE(expected, kTold);
+  EXPECT_NEAR(next.expected_statistic, expected, 1e-5 * expected);
+  // A drag of 0 does what none does: taken as true, none would tell nothing.
+  explanations[1].is_rest = false;
+  EXPECT_FALSE(plan_experiment(p, explanations, kNoise, {}).inseparable.empty());
 }
 
 TEST_F(Plan, TakesNewRowsToScatterLikeTheOldOnesOnAverage) {
