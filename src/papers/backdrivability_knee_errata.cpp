@@ -116,7 +116,7 @@ LedgerEntry breakaway_erratum(const BackdrivabilitySources& sources) {
 
 LedgerEntry references_erratum(const BackdrivabilityStatements& s) {
   return {
-      .where = "Sec. 3, 4.1: references",
+      .where = "Secs. 3, 4.1: references",
       .paper =
           "subscripts a and g in eqs. 41 to 44; Table I from eqs. 7 and 23; eqs. 6 and 15 "
           "for inertia and stiffness; eq. 24 in section 3.3.1; eq. 35 from [17]; motor of "
@@ -157,7 +157,7 @@ LedgerEntry time_axis_erratum(const BackdrivabilityStatements& s, const KneeExam
     figures.push_back({"first from", "% of the stride", place(knee.negative.front().from_s), 1});
     figures.push_back({"to", "%", place(knee.negative.front().to_s), 1});
   }
-  return {.where = "Figs. 10, 11: sec.",
+  return {.where = "Sec. 4.1, Figs. 10, 11: sec.",
           .paper = fmt::format("points I at {:g} and II at {:g} sec.", s.point_i, s.point_ii),
           .finding =
               "a stride takes about one second: the axis is in per cent of it. Another "

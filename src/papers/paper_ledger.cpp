@@ -82,9 +82,9 @@ class Ledger {
 
   void add_ratio() {
     const double stated = or_nan(s_.low_backlash.stated_ratio);
-    add({.where = "Table II, ratio",
+    add({.where = "Table III: gear ratio",
          .paper = fmt::format("{:g}:1 for both gears", stated),
-         .finding = "the printed teeth give other ratios",
+         .finding = "the teeth of Table II give other ratios",
          .figures = {{.name = "low-backlash prototype", .unit = "", .value = proposed_.ratio},
                      {.name = "off by",
                       .unit = "%",
@@ -126,7 +126,7 @@ class Ledger {
     if (d) interference = -um(meshes_at(*d)[0].normal_backlash_m);
     const double measured = or_nan(s_.low_backlash.measured_lost_motion_rad);
     const double stated = or_nan(s_.low_backlash.stated_lost_motion_rad);
-    add({.where = "Sec. II, IV, VI: backlash of the proposed gear",
+    add({.where = "Secs. II, IV, V.A, VI; Table III: backlash of the proposed gear",
          .paper =
              fmt::format("approximately {:g} arcmin by the model, {:g} measured, accuracy "
                          "{:g} %; neither q, d nor the effective radii of eq. 16",
@@ -161,8 +161,9 @@ class Ledger {
       return fmt::format("{}: {} identical planets {}", e.name, e.planets,
                          e.assembly.identical_planets ? "fit" : "do not fit");
     };
-    add({.where = "Table II, Fig. 1: planets",
-         .paper = "3 planets",
+    add({.where = "eqs. 32, 33; Sec. IV: planets",
+         .paper = fmt::format("{} planets; the best solution \"satisfying the assembly condition\"",
+                              proposed_.planets),
          .finding = verdict(proposed_) + "; " + verdict(bilateral_),
          .figures = std::move(figures)});
   }
@@ -255,7 +256,7 @@ class Ledger {
     figures.push_back(
         {"forward with it", "%",
          percent(efficiency_at(design, mu, LossModel::kOhlendorf, Direction::kForward)), 1});
-    add({.where = "Secs. IV, V: efficiency",
+    add({.where = "Secs. IV, V.C, Table III: efficiency",
          .paper = fmt::format("no friction coefficient is published; the simulation of the set of "
                               "Table II gave {:g} % backward",
                               percent(simulated)),
@@ -327,7 +328,7 @@ class Ledger {
   void add_starting_torque() {
     const double start = s_.backdrive_starting_torque_Nm;
     const double strain_wave = s_.strain_wave_starting_torque_Nm;
-    add({.where = "Sec. V.B: back-drive starting torque",
+    add({.where = "Secs. V.B, VI; Table III: back-drive starting torque",
          .paper = fmt::format("{:g} Nm, about 1/{:g} of a strain wave gear's", start,
                               s_.statements.starting_torque_ratio),
          .finding = "read where the output first moves, possibly still inside the lost motion: not "

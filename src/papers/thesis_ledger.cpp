@@ -386,7 +386,7 @@ class ThesisLedger {
     const auto name = [](const MeasuredPairLoss& m) {
       return fmt::format("{} driving {}", m.driving_teeth, m.driven_teeth);
     };
-    add({.where = "Table 3.1: range",
+    add({.where = "Table 3.1, Sec. 3.1.2: range",
          .paper = fmt::format("losses of dry steel from {:g} to {:g}; current sensors off by up to "
                               "{:g} % before they were verified",
                               least->loss, most->loss, s_.sensor_sensitivity_error_percent),
