@@ -25,8 +25,9 @@ const ScalingLaw& law_named(const BackdrivabilityComparison& c, const std::strin
 std::vector<Figure> exponent_figures(const ScalingLaw& law, const std::string& what) {
   std::vector<Figure> figures;
   for (const ScalingFactor& f : law.factors) {
-    figures.push_back({what + " over " + f.name + ", fitted exponent", "", f.exponent, 2});
-    figures.push_back({"95 % band +-", "", f.band, 2});
+    const std::string of = what + " over " + f.name;
+    figures.push_back({of + ", fitted exponent", "", f.exponent, 2});
+    figures.push_back({of + ", 95 % band +-", "", f.band, 2});
   }
   return figures;
 }

@@ -198,7 +198,7 @@ LedgerEntry magnitude_erratum(const KneeExample& knee) {
                               {"its work", "J", knee.runs.front().duty.positive_J, 2}};
   for (const KneeRun& run : knee.runs) {
     figures.push_back({"electrical, " + run.name, "W", run.peak_electrical_W, 0});
-    figures.push_back({"drawn", "J", run.duty.drawn_J, 1});
+    figures.push_back({"drawn, " + run.name, "J", run.duty.drawn_J, 1});
   }
   return {
       .where = "Sec. 4.1, Fig. 11: power",

@@ -73,7 +73,7 @@ LedgerEntry larger_gears(const DirectionalBench& bench) {
   for (const auto& [pinion, gear] : {std::pair{16, 80}, {20, 100}, {24, 120}}) {
     const FeltGears& g = gears_of(bench.felt, pinion, gear);
     figures.push_back({felt_name(g) + ": loss driving", "", 1.0 - g.forward, 3});
-    figures.push_back({"driven", "", 1.0 - g.backward, 3});
+    figures.push_back({felt_name(g) + ": driven", "", 1.0 - g.backward, 3});
   }
   return {.where = "Sec. 4.2: larger gears",
           .paper = "\"larger gears can reduce overall friction loss\"",
@@ -91,10 +91,11 @@ LedgerEntry closer_sizes(const DirectionalBench& bench) {
               "so they do, but the impedance at the output comes first of all from the "
               "ratio's square, which closer sizes lower with the torque",
           .figures = {{felt_name(*near) + ": added loss", "%", percent(added_loss(*near)), 1},
-                      {felt_name(*far), "%", percent(added_loss(*far)), 1},
+                      {felt_name(*far) + ": added loss", "%", percent(added_loss(*far)), 1},
                       {felt_name(*near) + ": felt inertia, sped up", "1e-6 kg m2",
                        1e6 * near->speeding_up_kgm2, 1},
-                      {felt_name(*far), "1e-6 kg m2", 1e6 * far->speeding_up_kgm2, 1},
+                      {felt_name(*far) + ": felt inertia, sped up", "1e-6 kg m2",
+                       1e6 * far->speeding_up_kgm2, 1},
                       {"of the latter by the loss", "%",
                        percent(1.0 - far->plain_kgm2 / far->speeding_up_kgm2), 1}}};
 }

@@ -86,12 +86,12 @@ class Ledger {
          .paper = fmt::format("{:g}:1 for both gears", stated),
          .finding = "the teeth of Table II give other ratios",
          .figures = {{.name = "low-backlash prototype", .unit = "", .value = proposed_.ratio},
-                     {.name = "off by",
+                     {.name = "low-backlash prototype off by",
                       .unit = "%",
                       .value = 100.0 * (proposed_.ratio / stated - 1.0),
                       .decimals = 2},
                      {.name = "bilateral drive gear", .unit = "", .value = bilateral_.ratio},
-                     {.name = "off by",
+                     {.name = "bilateral drive gear off by",
                       .unit = "%",
                       .value = 100.0 * (bilateral_.ratio / stated - 1.0),
                       .decimals = 2}}});
@@ -152,8 +152,9 @@ class Ledger {
       const long long difference = std::abs(1LL * z.R2 * z.P1 - 1LL * z.R1 * z.P2);
       const auto whole = [](long long value) { return static_cast<double>(value); };
       figures.push_back({e.name + ": zS + zR1", "", whole(z.S + z.R1), 0});
-      figures.push_back({"|zR2 zP1 - zR1 zP2|", "", whole(difference), 0});
-      figures.push_back({"N gcd(zP1, zP2)", "", whole(1LL * e.planets * std::gcd(z.P1, z.P2)), 0});
+      figures.push_back({e.name + ": |zR2 zP1 - zR1 zP2|", "", whole(difference), 0});
+      figures.push_back(
+          {e.name + ": N gcd(zP1, zP2)", "", whole(1LL * e.planets * std::gcd(z.P1, z.P2)), 0});
     };
     append(proposed_);
     append(bilateral_);
@@ -234,10 +235,11 @@ class Ledger {
     std::vector<Figure> figures;
     for (const PublishedGearbox* g : {&s_.low_backlash, &s_.bilateral}) {
       const FrictionFit fit = friction_fit(*g, LossModel::kOhlendorf);
-      figures.push_back({g->design.name + ": mu from forward", "", or_nan(fit.mu), 3});
-      figures.push_back({"backward predicted", "%", 100.0 * or_nan(fit.backward), 1});
-      figures.push_back({"backward measured", "%", 100.0 * fit.measured_backward, 1});
-      figures.push_back({"mu from backward", "", or_nan(fit.backward_mu), 3});
+      const std::string of = g->design.name + ": ";
+      figures.push_back({of + "mu from forward", "", or_nan(fit.mu), 3});
+      figures.push_back({of + "backward predicted", "%", 100.0 * or_nan(fit.backward), 1});
+      figures.push_back({of + "backward measured", "%", 100.0 * fit.measured_backward, 1});
+      figures.push_back({of + "mu from backward", "", or_nan(fit.backward_mu), 3});
     }
     for (const design::MeshResult& m : proposed_.meshes) {
       if (m.loss_model_in_range) continue;

@@ -5,15 +5,20 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "io/text/csv_table.hpp"
 #include "papers/published_sources.hpp"
 #include "papers/reproduce.hpp"
+#include "papers/reproduce_report.hpp"
 
 namespace gear3k::papers::ledger_test {
 namespace {
@@ -68,6 +73,29 @@ std::string missing_places(const std::string& locator, const std::string& where)
     if (std::ranges::find(named, printed[k]) == named.end()) missing += printed[k] + "; ";
   }
   return missing;
+}
+
+TEST(Ledger, NamesOfFiguresAreUniqueInEachEntry) {
+  for (const auto* ledger : {&reproduction().ledger, &reproduction().thesis.ledger,
+                             &reproduction().backdrivability.ledger}) {
+    ASSERT_FALSE(ledger->empty());
+    for (const LedgerEntry& entry : *ledger) {
+      std::set<std::string> names;
+      for (const Figure& f : entry.figures) {
+        EXPECT_TRUE(names.insert(f.name).second) << entry.where << ": " << f.name;
+      }
+    }
+  }
+}
+
+TEST(Reproduce, NoTwoLinesOfItsCsvHaveOneName) {
+  const io::CsvTable csv = io::parse_csv(reproduce_csv(reproduction()), "reproduce.csv");
+  ASSERT_GT(csv.rows.size(), 1000U);
+  std::set<std::pair<std::string, std::string>> names;
+  for (const io::CsvTable::Row& row : csv.rows) {
+    const auto name = std::pair(row.fields.at(0), row.fields.at(1));
+    EXPECT_TRUE(names.insert(name).second) << name.first << ": " << name.second;
+  }
 }
 
 TEST(LedgerPlaces, AreReadFromText) {
