@@ -110,6 +110,7 @@ gear3k_library(calibrate
     verdict/left_behind.cpp
     verdict/model_update.cpp
     verdict/noise_level.cpp
+    verdict/possible_conditions.cpp
     verdict/remainder.cpp
     verdict/rounded_readings.cpp
     verdict/unexplained.cpp

@@ -188,7 +188,7 @@ Form as_constant(const Form& form, std::string_view law) {
 
 extern const Cause cause;
 const Cause cause{.id = "run_step",
-                  .title = "a step between measuring sessions",
+                  .title = "a step between measuring sessions or in time",
                   .remedy = Remedy::kProcedure,
                   .place = Place::kMeasurement,
                   .weight = 1.5,
