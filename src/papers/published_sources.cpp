@@ -124,14 +124,17 @@ PublishedSources published_sources() {
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
   sources.low_backlash.stated_lost_motion_rad =
       units::to_si(stated("simulated_lost_motion"), units::Unit::kArcmin);
+  sources.low_backlash.lost_motion_bracket_rad =
+      units::to_si(stated("measured_lost_motion_bracket"), units::Unit::kArcmin);
+  sources.low_backlash.stated_lost_motion_accuracy = 0.01 * stated("backlash_accuracy");
   sources.low_backlash.stated_backward = 0.01 * stated("simulated_backward");
   sources.bilateral =
       gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
+  sources.bilateral.stated_lost_motion_accuracy = 0.01 * stated("bilateral_backlash_accuracy");
   sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{
       stated("bilateral_contact_ratio_SP1"), stated("bilateral_contact_ratio_P1R1"),
       stated("bilateral_contact_ratio_P2R2")};
   sources.statements = {
-      .backlash_accuracy_percent = stated("backlash_accuracy"),
       .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
       .starting_torque_ratio = stated("starting_torque_ratio"),
       .eq10_factor = stated("eq10_factor_printed"),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "papers/paper_ledger.hpp"
 #include "papers/published_fits.hpp"
@@ -15,7 +16,7 @@ namespace {
 using backlash::LostMotionModel;
 using design::Design, design::Direction, design::Evaluation;
 using efficiency::LossModel;
-using report::arcmin, report::mm, report::or_nan, report::um;
+using report::arcmin, report::mm, report::or_nan, report::percent, report::um;
 
 /// Contact ratio of S-P1 with tips at m (z/2 + 1 + y - x of the mate), y = d/m - (zS + zP1)/2: the
 /// tip rule of KHK Gear Technical Data for profile-shifted external gears.
@@ -84,56 +85,91 @@ void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
   }
 }
 
-/// Lost motion by eq. 17 (equations) and by the exact kinematics, and the allowances that explain
-/// the measured one at mesh 2's zero-backlash distance.
+std::optional<double> in_arcmin(std::optional<double> rad) {
+  if (rad) rad = arcmin(*rad);
+  return rad;
+}
+
+/// Lost motion by eq. 17 (equations) and by the exact kinematics, and what is said of it.
 void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& e,
                              std::vector<ComparedRow>& rows) {
-  const std::string at = fmt::format(" at d = {:.4f} mm", mm(e.center_distance_m));
-  const auto in_arcmin = [](std::optional<double> rad) {
-    if (rad) rad = arcmin(*rad);
-    return rad;
-  };
-  rows.push_back({.quantity = "lost motion, q = 0" + at,
-                  .unit = "arcmin",
-                  .paper = in_arcmin(gearbox.stated_lost_motion_rad),
-                  .equations = arcmin(e.lost_motion.paper_rad),
-                  .exact = arcmin(e.lost_motion.kinematic_rad),
-                  .measured = in_arcmin(gearbox.measured_lost_motion_rad),
-                  .decimals = 2});
+  rows.push_back(
+      {.quantity = fmt::format("lost motion, q = 0 at d = {:.4f} mm", mm(e.center_distance_m)),
+       .unit = "arcmin",
+       .paper = in_arcmin(gearbox.stated_lost_motion_rad),
+       .equations = arcmin(e.lost_motion.paper_rad),
+       .exact = arcmin(e.lost_motion.kinematic_rad),
+       .measured = in_arcmin(gearbox.measured_lost_motion_rad),
+       .decimals = 2});
+  if (gearbox.lost_motion_bracket_rad) {
+    rows.push_back({.quantity = "lost motion, in brackets after the measured one",
+                    .unit = "arcmin",
+                    .paper = {},
+                    .equations = {},
+                    .exact = {},
+                    .measured = in_arcmin(gearbox.lost_motion_bracket_rad),
+                    .decimals = 2});
+  }
+  if (gearbox.stated_lost_motion_accuracy) {
+    std::optional<double> own;
+    if (gearbox.stated_lost_motion_rad && gearbox.measured_lost_motion_rad) {
+      own = percent(
+          1.0 -
+          std::abs(*gearbox.stated_lost_motion_rad / *gearbox.measured_lost_motion_rad - 1.0));
+    }
+    rows.push_back({.quantity = "accuracy of the model of the lost motion (its own stated value)",
+                    .unit = "%",
+                    .paper = percent(*gearbox.stated_lost_motion_accuracy),
+                    .equations = own,
+                    .exact = {},
+                    .measured = {},
+                    .decimals = 1});
+  }
+}
+
+/// The allowances that explain the measured lost motion at mesh 2's zero-backlash distance.
+void append_allowance_rows(const PublishedGearbox& gearbox, const Evaluation& e,
+                           std::vector<ComparedRow>& rows) {
   if (!gearbox.measured_lost_motion_rad) return;
   const double measured = *gearbox.measured_lost_motion_rad;
   const Design fixed = at_distance(gearbox.design, e.center_distance_m);
-  const auto q17 = explaining_allowance(fixed, measured, LostMotionModel::kPaper);
-  const auto q = explaining_allowance(fixed, measured, LostMotionModel::kKinematic);
-  rows.push_back({.quantity = fmt::format("allowance q of every gear that explains {:.3g} arcmin{}",
-                                          arcmin(measured), at),
-                  .unit = "module",
-                  .paper = {},
-                  .equations = q17,
-                  .exact = q,
-                  .measured = {},
-                  .decimals = 5});
-  const auto least_backlash = [&](const std::optional<double>& allowance) {
-    std::optional<double> least;
-    if (!allowance) return least;
-    for (const auto& m : evaluated(with_allowance(fixed, *allowance)).meshes) {
-      least = std::min(least.value_or(m.normal_backlash_m), m.normal_backlash_m);
-    }
-    return std::optional<double>(um(*least));
+  const auto add = [&](std::string quantity, const char* unit, int decimals, auto value) {
+    rows.push_back({.quantity = std::move(quantity),
+                    .unit = unit,
+                    .paper = {},
+                    .equations = value(LostMotionModel::kPaper),
+                    .exact = value(LostMotionModel::kKinematic),
+                    .measured = {},
+                    .decimals = decimals});
   };
-  rows.push_back({.quantity = "least normal backlash of a mesh with that q",
-                  .unit = "um",
-                  .paper = {},
-                  .equations = least_backlash(q17),
-                  .exact = least_backlash(q),
-                  .measured = {},
-                  .decimals = 2});
+  add(fmt::format("allowance q of every gear that explains {:.3g} arcmin at d = {:.4f} mm",
+                  arcmin(measured), mm(e.center_distance_m)),
+      "module", 5,
+      [&](LostMotionModel model) { return explaining_allowance(fixed, measured, model); });
+  if (gearbox.lost_motion_bracket_rad) {
+    const double bracket = *gearbox.lost_motion_bracket_rad;
+    add(fmt::format("half the range of that q over +-{:g} arcmin", arcmin(bracket)), "module", 5,
+        [&](LostMotionModel model) {
+          const auto least = explaining_allowance(fixed, measured - bracket, model);
+          const auto greatest = explaining_allowance(fixed, measured + bracket, model);
+          return least && greatest ? std::optional(0.5 * (*greatest - *least)) : std::nullopt;
+        });
+  }
+  add("least normal backlash of a mesh with that q", "um", 2, [&](LostMotionModel model) {
+    std::optional<double> least;
+    const auto q = explaining_allowance(fixed, measured, model);
+    if (!q) return least;
+    for (const auto& m : evaluated(with_allowance(fixed, *q)).meshes) {
+      least = std::min(least.value_or(um(m.normal_backlash_m)), um(m.normal_backlash_m));
+    }
+    return least;
+  });
 }
 
 void append_efficiency_row(const PublishedGearbox& gearbox, const Evaluation& e,
                            std::vector<ComparedRow>& rows) {
   const auto in_percent = [](std::optional<double> eta) {
-    if (eta) eta = report::percent(*eta);
+    if (eta) eta = percent(*eta);
     return eta;
   };
   rows.push_back(
@@ -194,6 +230,7 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
                                .recess_only_backward = {}};
   append_geometry_rows(gearbox, e, comparison.rows);
   append_lost_motion_rows(gearbox, e, comparison.rows);
+  append_allowance_rows(gearbox, e, comparison.rows);
   append_efficiency_row(gearbox, e, comparison.rows);
   append_inertia_rows(e, comparison.rows);
   for (const double mu : {0.05, 0.075, 0.10, 0.125, 0.15}) {

@@ -25,7 +25,9 @@ struct PublishedGearbox {
   std::optional<double> stated_ratio;
   std::optional<double> stated_lost_motion_rad;  ///< the authors' simulation
   std::optional<double> measured_lost_motion_rad;
-  std::optional<double> stated_backward;  ///< efficiency of the authors' simulation
+  std::optional<double> lost_motion_bracket_rad;  ///< printed in brackets after the measured one
+  std::optional<double> stated_lost_motion_accuracy;  ///< of the authors' model against it
+  std::optional<double> stated_backward;              ///< efficiency of the authors' simulation
   std::optional<std::array<double, train::kMeshCount>> stated_contact_ratio;
   std::optional<double> measured_forward, measured_backward;  ///< efficiencies
   std::optional<double> outer_diameter_m;
@@ -33,7 +35,6 @@ struct PublishedGearbox {
 
 /// Figures that the paper's text states.
 struct PaperStatements {
-  double backlash_accuracy_percent = 0.0;
   double bilateral_xP2_printed = 0.0;
   double starting_torque_ratio = 0.0;
   double eq10_factor = 0.0;

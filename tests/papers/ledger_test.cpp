@@ -138,6 +138,8 @@ TEST(Ledger, NamesThePlacesOfTheLowBacklashPapersStatements) {
                     {{"simulated_lost_motion", {4, 11}},
                      {"simulated_backward", {10, 11}},
                      {"backlash_accuracy", {4}},
+                     {"bilateral_backlash_accuracy", {4}},
+                     {"measured_lost_motion_bracket", {4}},
                      {"bilateral_xP2_printed", {3}},
                      {"starting_torque_ratio", {13}},
                      {"eq10_factor_printed", {7}},

@@ -175,6 +175,41 @@ TEST(Reproduce, SetCalledOptimalIsExceededByThePaperAndByItsOwnTeeth) {
   EXPECT_GT(figure(11, "eta_b reached"), figure(11, "eta_b published") + 4.0);
 }
 
+// Section V.A: 7.1 (0.3) arcmin; section IV: approximately 8; section VI: 98.5 and 99 %.
+TEST(Reproduce, StatedAccuraciesAreComparedWithTheMeasurement) {
+  EXPECT_NEAR(row(0, "lost motion, in brackets").measured.value(), 0.3, 1e-12);
+  const ComparedRow& accuracy = row(0, "accuracy of the model");
+  EXPECT_NEAR(accuracy.paper.value(), 98.5, 1e-12);
+  EXPECT_NEAR(accuracy.equations.value(), 100.0 * (7.1 - 0.9) / 7.1, 1e-9);
+  EXPECT_NEAR(row(1, "accuracy of the model").paper.value(), 99.0, 1e-12);
+  EXPECT_FALSE(row(1, "accuracy of the model").equations);
+  EXPECT_NEAR(figure(4, "measured below stated, over the brackets"), 3.0, 1e-9);
+  EXPECT_NEAR(figure(4, "brackets over measured"), 30.0 / 7.1, 1e-9);
+  EXPECT_NEAR(figure(4, "what the accuracy leaves"), 0.015 * 7.1, 1e-9);
+  EXPECT_NEAR(figure(4, "what the bilateral drive gear's leaves"), 0.24, 1e-9);
+  // What the finding says: finer than the brackets; 7.5, which is about 8, is still outside.
+  EXPECT_LT(figure(4, "what the accuracy leaves"), 0.3);
+  EXPECT_GT(7.5 - 7.1, 0.3);
+
+  // q at both ends of the brackets gives these lost motions when evaluated.
+  const ComparedRow& q = row(0, "allowance q of every gear");
+  const ComparedRow& range = row(0, "half the range of that q");
+  const auto lost_motion_at = [](double allowance) {
+    design::Design design = published_sources().low_backlash.design;
+    design.train.machining_allowance.fill(allowance);
+    return std::get<design::Evaluation>(design::evaluate(design)).lost_motion;
+  };
+  const double arcmin = std::numbers::pi / (180.0 * 60.0);
+  for (const double sign : {-1.0, 1.0}) {
+    // The law bends a little: half the range is the mean of both sides.
+    const double middle = sign * 0.3 * arcmin + 7.1 * arcmin, allowed = 5e-3 * 0.3 * arcmin;
+    const double q17 = q.equations.value() + sign * range.equations.value();
+    const double exact = q.exact.value() + sign * range.exact.value();
+    EXPECT_NEAR(lost_motion_at(q17).paper_rad, middle, allowed);
+    EXPECT_NEAR(lost_motion_at(exact).kinematic_rad, middle, allowed);
+  }
+}
+
 struct Erratum {
   int number;
   const char* figure;
