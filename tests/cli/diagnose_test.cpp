@@ -457,6 +457,60 @@ TEST(Diagnose, TheNextExperimentKeepsItsLimits) {
   }
 }
 
+/// A limit of the next experiment that nothing of the data keeps.
+struct NextLimit {
+  std::string option, column;
+  double value = 0.0;
+};
+/// The conditions that are asked for with these limits keep each of them.
+void expect_kept(const Workplace& place, const std::vector<NextLimit>& limits) {
+  std::vector<std::string> words{"diagnose", "gear.toml", "data.csv", "--format", "json"};
+  for (const NextLimit& limit : limits) {
+    words.insert(words.end(), {limit.option, fmt::format("{}", limit.value)});
+  }
+  const ProgramResult result = place.run(words);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json next = json::parse(result.out).at("next_experiment");
+  ASSERT_FALSE(next.is_null());
+  ASSERT_FALSE(next.at("conditions").empty());
+  for (const json& condition : next.at("conditions")) {
+    for (const auto& [option, column, value] : limits) {
+      const bool greatest = option.starts_with("--max");
+      const auto asked = condition.at(column).get<double>();
+      EXPECT_LE(greatest ? asked : value, (greatest ? value : asked) + 1e-9) << option;
+    }
+  }
+}
+
+TEST(Diagnose, TheNextLoadKeepsEveryLowerLimit) {
+  const Workplace place;
+  prepare_one_rotation(place);
+  // The data end at 1000 rpm, 50 Nm and 45 C.
+  expect_kept(place, {{"--min-sun-speed-rpm", "sun_speed_rpm", 1500.0},
+                      {"--min-output-torque-nm", "output_torque_nm", 80.0},
+                      {"--min-temperature-c", "temperature_c", 70.0}});
+}
+
+TEST(Diagnose, TheNextTestTorqueAndTemperatureKeepTheirLimits) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  // Two torques tell clearance hardly from compliance.
+  rig::Plan plan = rig::lost_motion_plan();
+  plan.rows = 60;
+  plan.torques_Nm = {4.0, 5.0};
+  place.write("data.csv", rig::measure(rig::bilateral_drive_gear(), plan,
+                                       {{.id = "clearance", .amplitude = 0.5}}, 7)
+                              .csv);
+  // Each lies beyond the data, which are of 15 to 45 C.
+  for (const NextLimit& limit :
+       std::vector<NextLimit>{{"--min-test-torque-nm", "test_torque_nm", 9.0},
+                              {"--max-test-torque-nm", "test_torque_nm", 1.0},
+                              {"--min-temperature-c", "temperature_c", 70.0},
+                              {"--max-temperature-c", "temperature_c", 10.0}}) {
+    expect_kept(place, {limit});
+  }
+}
+
 TEST(Diagnose, WithoutGnuplotTheResultsAreThereAndOldFiguresAreNot) {
   const Workplace place;
   prepare(place);
