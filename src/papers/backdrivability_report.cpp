@@ -14,7 +14,7 @@ namespace gear3k::papers {
 
 namespace {
 
-using report::TextTable, report::csv_line, report::exact, report::fixed, report::list_json;
+using report::TextTable, report::exact, report::fixed, report::list_json;
 
 constexpr const char* kBackdrivability = "backdrivability-factors paper";
 
@@ -216,8 +216,8 @@ std::string backdrivability_csv(const BackdrivabilityComparison& c) {
   }
   for (const KneeRun& run : all_runs(c.knee)) {
     const auto line = [&](const std::string& what, const char* unit, double value) {
-      text += csv_line({kBackdrivability, fmt::format("knee, {}: {}", run.name, what), unit, "", "",
-                        exact(value), ""});
+      text += reproduce_line({kBackdrivability, fmt::format("knee, {}: {}", run.name, what), unit,
+                              "", "", exact(value), ""});
     };
     line("drawn", "J", run.duty.drawn_J);
     line("regenerated", "J", run.duty.regenerated_J);

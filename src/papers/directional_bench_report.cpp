@@ -159,8 +159,8 @@ std::string directional_bench_csv(const DirectionalBench& bench, const char* ite
   }
   for (const FeltGears& g : bench.felt) {
     for (const FeltNumber& n : kFeltNumbers) {
-      text += csv_line({item, fmt::format("{}/{}: {}", g.gear, g.pinion, n.key), n.unit, "", "",
-                        exact(n.value(g)), ""});
+      text += reproduce_line({item, fmt::format("{}/{}: {}", g.gear, g.pinion, n.key), n.unit, "",
+                              "", exact(n.value(g)), ""});
     }
   }
   return text;

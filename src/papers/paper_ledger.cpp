@@ -81,7 +81,7 @@ class Ledger {
   }
 
   void add_ratio() {
-    const double stated = or_nan(s_.low_backlash.stated_ratio);
+    const double stated = or_nan(value_of(s_.low_backlash.stated_ratio));
     add({.where = "Table III: gear ratio",
          .paper = fmt::format("{:g}:1 for both gears", stated),
          .finding = "the teeth of Table II give other ratios",
@@ -125,11 +125,11 @@ class Ledger {
     std::optional<double> interference;
     if (d) interference = -um(meshes_at(*d)[0].normal_backlash_m);
     const double measured = or_nan(s_.low_backlash.measured_lost_motion_rad);
-    const double stated = or_nan(s_.low_backlash.stated_lost_motion_rad);
+    const double stated = or_nan(value_of(s_.low_backlash.stated_lost_motion_rad));
     const double bracket = or_nan(s_.low_backlash.lost_motion_bracket_rad);
-    const double accuracy = or_nan(s_.low_backlash.stated_lost_motion_accuracy);
+    const double accuracy = or_nan(value_of(s_.low_backlash.stated_lost_motion_accuracy));
     const double bilateral = or_nan(s_.bilateral.measured_lost_motion_rad);
-    const double bilateral_accuracy = or_nan(s_.bilateral.stated_lost_motion_accuracy);
+    const double bilateral_accuracy = or_nan(value_of(s_.bilateral.stated_lost_motion_accuracy));
     add({.where = "Secs. II, IV, V.A, VI; Table III: backlash of the proposed gear",
          .paper =
              fmt::format("approximately {:g} arcmin by the model, {:g} ({:g}) measured, accuracy "
@@ -264,7 +264,7 @@ class Ledger {
     const auto simulated_friction = [&](double eta) {
       return or_nan(fitted_friction(design, LossModel::kOhlendorf, Direction::kBackward, eta));
     };
-    const double simulated = or_nan(s_.low_backlash.stated_backward);
+    const double simulated = or_nan(value_of(s_.low_backlash.stated_backward));
     const double mu = simulated_friction(simulated);
     figures.push_back({"mu of the simulated set", "", mu, 3});
     figures.push_back({"at least", "", simulated_friction(simulated + kHalfPercent), 3});
@@ -288,9 +288,9 @@ class Ledger {
         optimize::refine(s_.task, {.teeth = proposed_.teeth, .planets = proposed_.planets});
     std::optional<double> reached;
     if (optimize::has_design(set.status)) reached = set.eta_b;
-    const double stated_arcmin = arcmin(or_nan(s_.low_backlash.stated_lost_motion_rad));
+    const double stated_arcmin = arcmin(or_nan(value_of(s_.low_backlash.stated_lost_motion_rad)));
     const double after_arcmin = arcmin(s_.statements.lost_motion_after_rad);
-    const double stated = or_nan(s_.low_backlash.stated_backward);
+    const double stated = or_nan(value_of(s_.low_backlash.stated_backward));
     const double after = s_.statements.efficiency_after;
     add({.where = "Sec. IV, Fig. 8a, Table II",
          .paper =

@@ -49,7 +49,9 @@ PublishedGearbox gearbox(const io::CsvTable& table, const io::CsvTable::Row& row
   t.profile_shift = {number("xS"), number("xP1"), number("xR1"), number("xP2"), number("xR2")};
   constexpr double kPercent = 0.01;
   const double arcmin = units::to_si(1.0, units::Unit::kArcmin);
-  g.stated_ratio = table.number(row, "ratio_stated");
+  if (const auto ratio = table.number(row, "ratio_stated")) {
+    g.stated_ratio = {.value = *ratio, .source = "Table III"};
+  }
   g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
   g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
   g.measured_backward = scaled(table, row, "bwd_eff_pct", kPercent);
@@ -118,22 +120,28 @@ PublishedSources published_sources() {
   const auto stated = [&](const std::string& name) {
     return required(statements, row_named(statements, "name", name), "value");
   };
+  // Its place is the part of the locator before what is said there.
+  const auto printed = [&](const std::string& name, double factor) {
+    const std::string locator =
+        statements.text(row_named(statements, "name", name), "locator").value_or("");
+    return Stated{.value = factor * stated(name), .source = locator.substr(0, locator.find(':'))};
+  };
+  const double arcmin = units::to_si(1.0, units::Unit::kArcmin);
+  constexpr double kPercent = 0.01;
   const io::CsvTable::Row& proposed = row_named(table, "design", "low_backlash_proposed");
   const io::CsvTable::Row& strain_wave = row_named(table, "design", "harmonic_drive_csg25lw");
   PublishedSources sources;
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
-  sources.low_backlash.stated_lost_motion_rad =
-      units::to_si(stated("simulated_lost_motion"), units::Unit::kArcmin);
-  sources.low_backlash.lost_motion_bracket_rad =
-      units::to_si(stated("measured_lost_motion_bracket"), units::Unit::kArcmin);
-  sources.low_backlash.stated_lost_motion_accuracy = 0.01 * stated("backlash_accuracy");
-  sources.low_backlash.stated_backward = 0.01 * stated("simulated_backward");
+  sources.low_backlash.stated_lost_motion_rad = printed("simulated_lost_motion", arcmin);
+  sources.low_backlash.lost_motion_bracket_rad = arcmin * stated("measured_lost_motion_bracket");
+  sources.low_backlash.stated_lost_motion_accuracy = printed("backlash_accuracy", kPercent);
+  sources.low_backlash.stated_backward = printed("simulated_backward", kPercent);
   sources.bilateral =
       gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
-  sources.bilateral.stated_lost_motion_accuracy = 0.01 * stated("bilateral_backlash_accuracy");
-  sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{
-      stated("bilateral_contact_ratio_SP1"), stated("bilateral_contact_ratio_P1R1"),
-      stated("bilateral_contact_ratio_P2R2")};
+  sources.bilateral.stated_lost_motion_accuracy = printed("bilateral_backlash_accuracy", kPercent);
+  sources.bilateral.stated_contact_ratio = {printed("bilateral_contact_ratio_SP1", 1.0),
+                                            printed("bilateral_contact_ratio_P1R1", 1.0),
+                                            printed("bilateral_contact_ratio_P2R2", 1.0)};
   sources.statements = {
       .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
       .starting_torque_ratio = stated("starting_torque_ratio"),

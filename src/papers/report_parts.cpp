@@ -47,7 +47,14 @@ Fields row_fields(const std::string& gearbox, const ComparedRow& row) {
   f.add("equations", row.equations, {"equations"});
   f.add("exact", row.exact, {"exact"});
   f.add("measured", row.measured, {"measured"});
+  f.add("source", row.source.empty() ? io::Json() : io::Json(row.source), {"source"});
   return f;
+}
+
+std::string reproduce_line(std::vector<std::string> fields) {
+  constexpr std::size_t kColumns = 8;
+  fields.resize(kColumns);
+  return csv_line(fields);
 }
 
 io::Json ledger_json(const std::vector<LedgerEntry>& entries) {
@@ -70,9 +77,9 @@ std::string ledger_csv(const std::vector<LedgerEntry>& ledger, const std::string
   std::string text;
   for (const LedgerEntry& entry : ledger) {
     for (const Figure& f : entry.figures) {
-      text += csv_line({fmt::format("{} {}", name, entry.number),
-                        fmt::format("{}: {}", entry.where, f.name), f.unit, "", "", exact(f.value),
-                        ""});
+      text += reproduce_line({fmt::format("{} {}", name, entry.number),
+                              fmt::format("{}: {}", entry.where, f.name), f.unit, "", "",
+                              exact(f.value), ""});
     }
   }
   return text;

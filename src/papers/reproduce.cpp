@@ -29,17 +29,57 @@ double contact_ratio_with_shortened_tips(Design design, const Evaluation& e) {
   return evaluated(at_distance(design, e.center_distance_m)).meshes[train::kMeshSP1].contact_ratio;
 }
 
+std::string source_of(const std::optional<Stated>& stated) {
+  return stated ? stated->source : std::string();
+}
+
+/// Contact ratios at the common distance, and of a mesh whose own is printed at the distance where
+/// it has no backlash.
+void append_contact_ratio_rows(const PublishedGearbox& gearbox, const Evaluation& e,
+                               std::vector<ComparedRow>& rows) {
+  const auto add = [&](const std::string& what, double distance_m, double ratio,
+                       const std::optional<Stated>& stated) {
+    rows.push_back(
+        {.quantity = fmt::format("contact ratio {} at d = {:.4f} mm", what, mm(distance_m)),
+         .unit = "",
+         .paper = value_of(stated),
+         .equations = ratio,
+         .exact = {},
+         .measured = {},
+         .decimals = 3,
+         .source = source_of(stated)});
+  };
+  const double common_m = e.center_distance_m;
+  for (std::size_t k = 0; k < e.meshes.size(); ++k) {
+    // The original prints S-P1 with shortened tips: a row of its own, below.
+    const auto& stated =
+        k == train::kMeshSP1 ? std::optional<Stated>() : gearbox.stated_contact_ratio[k];
+    const std::string what = e.meshes[k].name + ", full teeth";
+    add(what, common_m, e.meshes[k].contact_ratio, stated);
+    const auto own_m = e.meshes[k].zero_backlash_center_distance_m;
+    constexpr double kShownDistance_m = 0.5e-7;
+    if (!stated || !own_m || std::abs(*own_m - common_m) < kShownDistance_m) continue;
+    add(what, *own_m, evaluated(at_distance(gearbox.design, *own_m)).meshes[k].contact_ratio,
+        stated);
+  }
+  if (const auto& stated = gearbox.stated_contact_ratio[train::kMeshSP1]) {
+    add("S-P1, both tips shortened by the KHK rule", common_m,
+        contact_ratio_with_shortened_tips(gearbox.design, e), stated);
+  }
+}
+
 void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
                           std::vector<ComparedRow>& rows) {
   const std::string at = fmt::format(" at d = {:.4f} mm", mm(e.center_distance_m));
   const auto add = [&](ComparedRow row) { rows.push_back(std::move(row)); };
   add({.quantity = "ratio",
        .unit = "",
-       .paper = gearbox.stated_ratio,
+       .paper = value_of(gearbox.stated_ratio),
        .equations = e.ratio,
        .exact = {},
        .measured = {},
-       .decimals = 3});
+       .decimals = 3,
+       .source = source_of(gearbox.stated_ratio)});
   for (const design::MeshResult& m : e.meshes) {
     std::optional<double> distance = m.zero_backlash_center_distance_m;
     if (distance) distance = mm(*distance);
@@ -51,29 +91,7 @@ void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
          .measured = {},
          .decimals = 4});
   }
-  for (std::size_t k = 0; k < e.meshes.size(); ++k) {
-    std::optional<double> stated;
-    // The original prints S-P1 with shortened tips: a row of its own, below.
-    if (gearbox.stated_contact_ratio && k != train::kMeshSP1) {
-      stated = (*gearbox.stated_contact_ratio)[k];
-    }
-    add({.quantity = "contact ratio " + e.meshes[k].name + ", full teeth" + at,
-         .unit = "",
-         .paper = stated,
-         .equations = e.meshes[k].contact_ratio,
-         .exact = {},
-         .measured = {},
-         .decimals = 3});
-  }
-  if (gearbox.stated_contact_ratio) {
-    add({.quantity = "contact ratio S-P1, both tips shortened by the KHK rule" + at,
-         .unit = "",
-         .paper = (*gearbox.stated_contact_ratio)[train::kMeshSP1],
-         .equations = contact_ratio_with_shortened_tips(gearbox.design, e),
-         .exact = {},
-         .measured = {},
-         .decimals = 3});
-  }
+  append_contact_ratio_rows(gearbox, e, rows);
   for (const design::MeshResult& m : e.meshes) {
     add({.quantity = "normal backlash " + m.name + ", q = 0" + at,
          .unit = "um",
@@ -93,10 +111,20 @@ std::optional<double> in_arcmin(std::optional<double> rad) {
 /// Lost motion by eq. 17 (equations) and by the exact kinematics, and what is said of it.
 void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& e,
                              std::vector<ComparedRow>& rows) {
+  if (gearbox.stated_lost_motion_rad) {
+    rows.push_back({.quantity = "lost motion by the paper's model, q, d and radii not stated",
+                    .unit = "arcmin",
+                    .paper = in_arcmin(value_of(gearbox.stated_lost_motion_rad)),
+                    .equations = {},
+                    .exact = {},
+                    .measured = in_arcmin(gearbox.measured_lost_motion_rad),
+                    .decimals = 2,
+                    .source = source_of(gearbox.stated_lost_motion_rad)});
+  }
   rows.push_back(
       {.quantity = fmt::format("lost motion, q = 0 at d = {:.4f} mm", mm(e.center_distance_m)),
        .unit = "arcmin",
-       .paper = in_arcmin(gearbox.stated_lost_motion_rad),
+       .paper = {},
        .equations = arcmin(e.lost_motion.paper_rad),
        .exact = arcmin(e.lost_motion.kinematic_rad),
        .measured = in_arcmin(gearbox.measured_lost_motion_rad),
@@ -114,16 +142,17 @@ void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& 
     std::optional<double> own;
     if (gearbox.stated_lost_motion_rad && gearbox.measured_lost_motion_rad) {
       own = percent(
-          1.0 -
-          std::abs(*gearbox.stated_lost_motion_rad / *gearbox.measured_lost_motion_rad - 1.0));
+          1.0 - std::abs(gearbox.stated_lost_motion_rad->value / *gearbox.measured_lost_motion_rad -
+                         1.0));
     }
     rows.push_back({.quantity = "accuracy of the model of the lost motion (its own stated value)",
                     .unit = "%",
-                    .paper = percent(*gearbox.stated_lost_motion_accuracy),
+                    .paper = percent(gearbox.stated_lost_motion_accuracy->value),
                     .equations = own,
                     .exact = {},
                     .measured = {},
-                    .decimals = 1});
+                    .decimals = 1,
+                    .source = gearbox.stated_lost_motion_accuracy->source});
   }
 }
 
@@ -175,11 +204,12 @@ void append_efficiency_row(const PublishedGearbox& gearbox, const Evaluation& e,
   rows.push_back(
       {.quantity = fmt::format("backward efficiency (eq. 19), mu = {:g}", kTableFriction),
        .unit = "%",
-       .paper = in_percent(gearbox.stated_backward),
+       .paper = in_percent(value_of(gearbox.stated_backward)),
        .equations = in_percent(e.efficiency.backward),
        .exact = {},
        .measured = in_percent(gearbox.measured_backward),
-       .decimals = 1});
+       .decimals = 1,
+       .source = source_of(gearbox.stated_backward)});
 }
 
 /// The factors with which J_S and J_P (one planet, both steps) appear in the output's inertia.

@@ -19,16 +19,25 @@
 
 namespace gear3k::papers {
 
+/// A number as printed, and where.
+struct Stated {
+  double value = 0.0;
+  std::string source;
+};
+inline std::optional<double> value_of(const std::optional<Stated>& stated) {
+  return stated ? std::optional(stated->value) : std::nullopt;
+}
+
 /// A published gearbox: its design (full teeth, no friction value of its own) and its figures.
 struct PublishedGearbox {
   design::Design design;
-  std::optional<double> stated_ratio;
-  std::optional<double> stated_lost_motion_rad;  ///< the authors' simulation
+  std::optional<Stated> stated_ratio;
+  std::optional<Stated> stated_lost_motion_rad;  ///< the authors' simulation
   std::optional<double> measured_lost_motion_rad;
   std::optional<double> lost_motion_bracket_rad;  ///< printed in brackets after the measured one
-  std::optional<double> stated_lost_motion_accuracy;  ///< of the authors' model against it
-  std::optional<double> stated_backward;              ///< efficiency of the authors' simulation
-  std::optional<std::array<double, train::kMeshCount>> stated_contact_ratio;
+  std::optional<Stated> stated_lost_motion_accuracy;  ///< of the authors' model against it
+  std::optional<Stated> stated_backward;              ///< efficiency of the authors' simulation
+  std::array<std::optional<Stated>, train::kMeshCount> stated_contact_ratio;
   std::optional<double> measured_forward, measured_backward;  ///< efficiencies
   std::optional<double> outer_diameter_m;
 };

@@ -18,8 +18,8 @@ namespace gear3k::papers {
 
 namespace {
 
-using report::Fields, report::TextTable, report::csv_line, report::exact, report::fixed,
-    report::list_json, report::tool_json;
+using report::Fields, report::TextTable, report::exact, report::fixed, report::list_json,
+    report::tool_json;
 
 std::string in_percent(const std::optional<double>& eta) {
   return eta ? fmt::format("{:.1f} %", 100.0 * *eta) : std::string("none");
@@ -154,10 +154,10 @@ std::string thesis_csv(const ThesisComparison& t, const DirectionalBench& bench)
   std::string text;
   for (const LossMap::Point& p : t.map.points) {
     const auto line = [&](const char* part, double value) {
-      text += csv_line({kThesis,
-                        fmt::format("{}, {} driving {}, mu = {:g}", part, p.driving_teeth,
-                                    p.driven_teeth, t.map.friction),
-                        "", "", exact(value), "", ""});
+      text += reproduce_line({kThesis,
+                              fmt::format("{}, {} driving {}, mu = {:g}", part, p.driving_teeth,
+                                          p.driven_teeth, t.map.friction),
+                              "", "", exact(value), "", ""});
     };
     line("loss", p.loss);
     line("symmetric loss", p.symmetric);
@@ -165,7 +165,7 @@ std::string thesis_csv(const ThesisComparison& t, const DirectionalBench& bench)
   }
   for (const PairLossModel& m : t.models) {
     for (const auto& [key, name, number] : kModelNumbers) {
-      text += csv_line(
+      text += reproduce_line(
           {kThesis, fmt::format("{}: {}", m.name, name), "", "", exact(m.*number), "", ""});
     }
   }
@@ -173,10 +173,10 @@ std::string thesis_csv(const ThesisComparison& t, const DirectionalBench& bench)
     for (std::size_t k = 0; k < t.models.size(); ++k) {
       const std::string pair = fmt::format("{} driving {}, {}", row.measured.driving_teeth,
                                            row.measured.driven_teeth, t.models[k].name);
-      text += csv_line({kThesis, "loss of " + pair, "", "", exact(row.predicted[k]), "",
-                        exact(row.measured.loss)});
-      text += csv_line({kThesis, "residual (measured - model) of " + pair, "", "", "",
-                        exact(row.measured.loss - row.predicted[k]), ""});
+      text += reproduce_line({kThesis, "loss of " + pair, "", "", exact(row.predicted[k]), "",
+                              exact(row.measured.loss)});
+      text += reproduce_line({kThesis, "residual (measured - model) of " + pair, "", "", "",
+                              exact(row.measured.loss - row.predicted[k]), ""});
     }
   }
   text += directional_bench_csv(bench, kThesis);
@@ -189,11 +189,13 @@ std::string reproduce_table(const Reproduction& r) {
   std::string text;
   for (const GearboxComparison& g : r.gearboxes) {
     text += fmt::format("{}{}\n", text.empty() ? "" : "\n", g.name);
-    TextTable table({"quantity", "paper", "its equations", "exact", "measured", "unit"});
-    table.align_left(5);
+    TextTable table(
+        {"quantity", "paper", "its equations", "exact", "measured", "unit", "printed in"});
+    for (const std::size_t column : {5U, 6U}) table.align_left(column);
     for (const ComparedRow& row : g.rows) {
       table.add({row.quantity, shown(row.paper, row.decimals), shown(row.equations, row.decimals),
-                 shown(row.exact, row.decimals), shown(row.measured, row.decimals), row.unit});
+                 shown(row.exact, row.decimals), shown(row.measured, row.decimals), row.unit,
+                 row.source});
     }
     text += table.text(2);
     text += "\n  Efficiency by the paper's formula (ohlendorf) and by mean sliding, in %\n";
@@ -265,26 +267,27 @@ std::string reproduce_csv(const Reproduction& r) {
     }
     for (const EfficiencyPoint& p : g.efficiency) {
       const auto line = [&](const char* what, double ohlendorf, double sliding) {
-        text += csv_line({g.name, fmt::format("{} at mu = {:g} (ohlendorf | sliding)", what, p.mu),
-                          "", "", exact(ohlendorf), exact(sliding), ""});
+        text += reproduce_line({g.name,
+                                fmt::format("{} at mu = {:g} (ohlendorf | sliding)", what, p.mu),
+                                "", "", exact(ohlendorf), exact(sliding), ""});
       };
       line("eta_f", p.ohlendorf_forward, p.sliding_forward);
       line("eta_b", p.ohlendorf_backward, p.sliding_backward);
     }
     for (const FrictionFit& f : g.fits) {
-      text +=
-          csv_line({g.name, "mu from measured forward, " + f.model, "", "", field(f.mu), "", ""});
-      text += csv_line({g.name, "eta_b with that mu, " + f.model, "", "", field(f.backward), "",
-                        exact(f.measured_backward)});
-      text += csv_line(
+      text += reproduce_line(
+          {g.name, "mu from measured forward, " + f.model, "", "", field(f.mu), "", ""});
+      text += reproduce_line({g.name, "eta_b with that mu, " + f.model, "", "", field(f.backward),
+                              "", exact(f.measured_backward)});
+      text += reproduce_line(
           {g.name, "mu from measured backward, " + f.model, "", "", field(f.backward_mu), "", ""});
     }
   }
   for (const GearboxComparison& g : r.gearboxes) {
     if (!g.directional) continue;
     const auto line = [&](const char* what, double value) {
-      text +=
-          csv_line({g.name, fmt::format("{}, directional", what), "", "", exact(value), "", ""});
+      text += reproduce_line(
+          {g.name, fmt::format("{}, directional", what), "", "", exact(value), "", ""});
     };
     line("mu from both directions", g.directional->mu);
     line("approach factor", g.directional->approach_factor);

@@ -121,7 +121,8 @@ TEST(PaperFigures, TheAllowanceGivesThePublishedGearItsStatedLostMotion) {
   const double stated = 8.0;
   // q has four decimals: half of the last one moves eq. 17 by 0.01 arcmin.
   EXPECT_NEAR(arcmin(e.lost_motion.paper_rad), stated, 0.02);
-  EXPECT_NEAR(stated, arcmin(*published_sources().low_backlash.stated_lost_motion_rad), 1e-9);
+  EXPECT_NEAR(stated, arcmin(published_sources().low_backlash.stated_lost_motion_rad.value().value),
+              1e-9);
 }
 
 TEST(PaperFigures, RefinementNeverEndsBelowAZeroShiftThatIsFeasible) {

@@ -53,6 +53,35 @@ TEST(Reproduce, OriginalsContactRatiosNeedShortenedTipsAtTheSunAndFullOnesAtTheR
   EXPECT_NEAR(*row(1, "contact ratio P1-R1, full teeth").equations, 1.420, half_digit);
 }
 
+// The original's 1.565 is that of P2-R2 at its own distance, not at that of P1-R1.
+TEST(Reproduce, ContactRatioOfP2R2IsTheOriginalsAtItsOwnDistance) {
+  const ComparedRow& own = row(1, "contact ratio P2-R2, full teeth at d = 21.2687 mm");
+  EXPECT_EQ(own.paper, 1.565);
+  EXPECT_NEAR(own.equations.value(), 1.565, 0.5e-3);
+  const ComparedRow& common = row(1, "contact ratio P2-R2, full teeth at d = 21.2679 mm");
+  EXPECT_EQ(common.paper, 1.565);
+  EXPECT_LT(common.equations.value(), own.equations.value());
+}
+
+TEST(Reproduce, RowsSayWhereTheirNumbersArePrinted) {
+  int printed = 0;
+  for (const GearboxComparison& g : reproduction().gearboxes) {
+    for (const ComparedRow& r : g.rows) {
+      EXPECT_EQ(r.paper.has_value(), !r.source.empty()) << g.name << ": " << r.quantity;
+      printed += r.paper.has_value() ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(printed, 4 + 6);
+  EXPECT_EQ(row(0, "ratio").source, "Table III");
+  EXPECT_EQ(row(0, "lost motion by the paper's model").source, "section IV");
+  EXPECT_EQ(row(0, "accuracy of the model").source, "section VI");
+  EXPECT_EQ(row(0, "backward efficiency").source, "section IV");
+  EXPECT_EQ(row(1, "contact ratio P1-R1").source, "Matsuki et al. 2019");
+  // 8 arcmin is of an unknown allowance and distance, not of q = 0.
+  EXPECT_NEAR(row(0, "lost motion by the paper's model").paper.value(), 8.0, 1e-12);
+  EXPECT_FALSE(row(0, "lost motion, q = 0").paper);
+}
+
 TEST(Reproduce, InertiaFactorsAreThoseOfTheErrata) {
   EXPECT_NEAR(*row(0, "J_P factor per planet, lossless").equations, 6.5, 0.05);
   EXPECT_NEAR(*row(0, "J_P factor per planet, lossless").exact, 282.0, 0.5);

@@ -269,7 +269,7 @@ TEST(ThesisReport, JsonHoldsMapModelsResidualsAndLedger) {
   EXPECT_EQ(json.at("ledger").size(), comparison().ledger.size());
 }
 
-TEST(ThesisReport, CsvHoldsEveryMapPointAndResidualInSevenColumns) {
+TEST(ThesisReport, CsvHoldsEveryMapPointAndResidualInEightColumns) {
   Reproduction r;
   r.thesis = comparison();
   std::istringstream lines(reproduce_csv(r));
@@ -283,7 +283,7 @@ TEST(ThesisReport, CsvHoldsEveryMapPointAndResidualInSevenColumns) {
       quoted = quoted != (c == '"');
       if (c == ',' && !quoted) ++columns;
     }
-    EXPECT_EQ(columns, 7) << line;
+    EXPECT_EQ(columns, 8) << line;
     residuals += line.find("residual (measured - model)") != std::string::npos ? 1 : 0;
     map_points += line.find("\"skew loss, ") != std::string::npos ? 1 : 0;
   }
