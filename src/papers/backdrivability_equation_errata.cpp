@@ -142,7 +142,8 @@ std::vector<LedgerEntry> stiffness_law_errata(const BackdrivabilityComparison& c
           {.where = "eqs. 28, 31, 34; Fig. 8",
            .paper = "K/T ~ d^2, L d, L^2 fits no gearbox; Fig. 8's K ~ T is empirical",
            .finding = "with eq. 25 corrected K/T ~ d^2/L^2, d/L and constant: for similar shapes "
-                      "all of them are Fig. 8. Exponents of K over T",
+                      "all of them are Fig. 8. Exponents of K over T; Fig. 8 has the acceleration "
+                      "torque, RT1's is the rated one",
            .figures = std::move(quotient)}};
 }
 
@@ -154,17 +155,21 @@ std::vector<LedgerEntry> motor_law_errata(const BackdrivabilityComparison& c) {
   append_figures(torque, exponent_figures(all, "inertia of all frames"));
   append_figures(torque, exponent_figures(law_named(c, "motor_torque_per_inertia"),
                                           "torque per inertia of Megaflux"));
-  return {
-      {.where = "eqs. 22, 23, 35",
-       .paper = "J ~ L d^3 or L d^4, T ~ L d^2.5",
-       .finding = "of 23 frames of one series neither inertia law is within the band, and the "
-                  "torque's diameter is, not its length",
-       .figures = std::move(size)},
-      {.where = "eq. 36, Fig. 9",
-       .paper = "T/J ~ d^-1.5; J ~ T^1.5 \"does not directly correspond\" to it",
-       .finding = "eqs. 23 and 35 give both, T^1.43 for similar shapes; the frames of one series "
-                  "miss eq. 36, as they miss eq. 23",
-       .figures = std::move(torque)}};
+  return {{.where = "eqs. 22, 23, 35",
+           .paper = "J ~ L d^3 or L d^4, T ~ L d^2.5",
+           .finding =
+               "of 23 frames of one series neither inertia law is within the band, and the "
+               "torque's diameter is, not its length. Eq. 35 is of the stall torque; fitted is the "
+               "continuous one (K_t times nominal current), the only one in the table",
+           .figures = std::move(size)},
+          {.where = "eq. 36, Fig. 9",
+           .paper = "T/J ~ d^-1.5; J ~ T^1.5 \"does not directly correspond\" to it",
+           .finding =
+               "eqs. 23 and 35 give both, T^1.43 for similar shapes; the frames of one series "
+               "miss eq. 36, as they miss eq. 23. The torque is the continuous one throughout: "
+               "Fig. 9's is 2.5 times that, which leaves the exponent, eq. 36's the stall torque. "
+               "The band over all frames holds Fig. 9's exponent, not that of eqs. 23, 35",
+           .figures = std::move(torque)}};
 }
 
 LedgerEntry no_load_erratum(const BackdrivabilitySources& sources) {

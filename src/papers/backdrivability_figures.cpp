@@ -117,8 +117,8 @@ FigureStatement stiffness_statement(const BackdrivabilityFigures& f) {
       .figure = "8", .paper = "stiffness in proportion to torque, an empirical law", .ours = {}};
   for (const ScalingLaw& law : f.comparison.laws) {
     if (law.name != "stiffness_over_torque") continue;
-    statement.ours.push_back(fmt::format("{} sizes of RT1: K3 ~ T^{}", law.points.size(),
-                                         exponent_text(law.factors[0])));
+    statement.ours.push_back(fmt::format("{} sizes of RT1: K3 ~ T^{} (rated torque)",
+                                         law.points.size(), exponent_text(law.factors[0])));
   }
   const auto [least, most] = std::ranges::minmax(f.designed.sizes);
   statement.ours.push_back(fmt::format("{} in sizes {:g} to {:g}: K ~ T^{} (teeth and shafts)",

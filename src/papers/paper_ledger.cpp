@@ -84,7 +84,9 @@ class Ledger {
     const double stated = or_nan(value_of(s_.low_backlash.stated_ratio));
     add({.where = "Table III: gear ratio",
          .paper = fmt::format("{:g}:1 for both gears", stated),
-         .finding = "the teeth of Table II give other ratios",
+         .finding =
+             "to the printed digit the teeth of Table II give it for the bilateral drive gear "
+             "alone",
          .figures = {{.name = "low-backlash prototype", .unit = "", .value = proposed_.ratio},
                      {.name = "low-backlash prototype off by",
                       .unit = "%",
@@ -219,7 +221,9 @@ class Ledger {
     const auto& share = e.lost_motion.kinematic_share_rad;
     add({.where = "eq. 17",
          .paper = "phi_1 + max(phi_2, phi_3)",
-         .finding = "rigid bodies with the sun locked add the shares of all three meshes",
+         .finding =
+             "rigid bodies with the sun locked add the shares of all three meshes. The effective "
+             "radii of eq. 16, which are not defined, are here |i| r_S, r_R1 and r_R2",
          .figures = {{"q of the example", "module", or_nan(q), 4},
                      {"eq. 17", "arcmin", arcmin(e.lost_motion.paper_rad), 2},
                      {"kinematic", "arcmin", arcmin(e.lost_motion.kinematic_rad), 2},

@@ -146,6 +146,8 @@ ScalingFactor factor(const char* name, std::optional<double> paper,
           .equations = equations};
 }
 
+/// Eqs. 35 and 36 are of the stall torque, which the catalogue has not: the continuous one, K_t
+/// times the nominal current, takes its place.
 void append_frameless_motors(const std::vector<MotorFrame>& motors, std::vector<ScalingLaw>& laws) {
   ScalingLaw inertia{.name = "motor_inertia",
                      .quantity = "rotor inertia",
@@ -154,12 +156,12 @@ void append_frameless_motors(const std::vector<MotorFrame>& motors, std::vector<
                      .factors = {factor("diameter", 4.0, {}), factor("length", 1.0, {})}};
   ScalingLaw torque{.name = "motor_torque",
                     .quantity = "continuous torque",
-                    .source = "eq. 35",
+                    .source = "eq. 35 (stall torque)",
                     .data = kMegaflux,
                     .factors = {factor("diameter", 2.5, {}), factor("length", 1.0, {})}};
   ScalingLaw quotient{.name = "motor_torque_per_inertia",
                       .quantity = "torque over inertia",
-                      .source = "eq. 36",
+                      .source = "eq. 36 (stall torque)",
                       .data = kMegaflux,
                       .factors = {factor("diameter", -1.5, -1.5), factor("length", 0.0, 0.0)}};
   for (const MotorFrame& m : motors) {
@@ -174,11 +176,12 @@ void append_frameless_motors(const std::vector<MotorFrame>& motors, std::vector<
   laws.push_back(std::move(quotient));
 }
 
+/// Fig. 9 takes 2.5 times the nominal torque for that of acceleration, which leaves the exponent.
 void append_motor_inertia(const std::vector<MotorFrame>& motors, double paper,
                           std::vector<ScalingLaw>& laws) {
   ScalingLaw all{.name = "motor_inertia_over_torque",
                  .quantity = "rotor inertia",
-                 .source = "Fig. 9",
+                 .source = "Fig. 9 (2.5 nominal torque)",
                  .data = "motor catalogue",
                  .factors = {factor("torque", paper, kInertiaOverTorque)}};
   for (const MotorFrame& m : motors) {
@@ -215,6 +218,7 @@ void append_planetary(const ScalingTables& tables, std::vector<ScalingLaw>& laws
 void append_strain_waves(const std::vector<StrainWaveFrame>& frames,
                          std::vector<ScalingLaw>& laws) {
   constexpr const char* kSeries = "Schaeffler RT1, i = 100";
+  // The catalogue has the rated torque, and none for acceleration.
   const auto add = [&](ScalingLaw law, auto y, auto x) {
     law.data = kSeries;
     for (const StrainWaveFrame& f : frames) {
@@ -242,7 +246,7 @@ void append_strain_waves(const std::vector<StrainWaveFrame>& frames,
   // Eq. 31 as printed K/T ~ L d, corrected d/L; similar shapes have T ~ d^3.
   add({.name = "stiffness_over_torque",
        .quantity = "stiffness K3",
-       .source = "Fig. 8 (eq. 31: 5/3)",
+       .source = "Fig. 8 (acceleration torque; eq. 31: 5/3)",
        .factors = {factor("torque", 1.0, 1.0)}},
       &Frame::last_stiffness_Nm_rad, &Frame::torque_Nm);
 }

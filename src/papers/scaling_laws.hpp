@@ -54,7 +54,7 @@ double fitted_value(const ScalingLaw& law, const ScalingPoint& point);
 /// One row per frame: of windings of the same frame the one with the largest torque.
 struct MotorFrame {
   std::string series;
-  double inertia_kgm2, torque_Nm;                  ///< torque: K_t I at nominal current
+  double inertia_kgm2, torque_Nm;                  ///< torque: continuous, K_t I at nominal current
   std::optional<double> diameter_m{}, length_m{};  ///< of a frameless motor
 };
 struct PlanetaryFrame {
@@ -66,6 +66,7 @@ struct PlanetaryGearbox {
   double ratio, input_inertia_kgm2, torque_Nm;  ///< torque: intermittent
 };
 struct StrainWaveFrame {
+  /// Torque: rated.
   double radius_m, torque_Nm, first_stiffness_Nm_rad, last_stiffness_Nm_rad;
 };
 struct ScalingTables {
