@@ -150,11 +150,13 @@ std::string correction_text(const Diagnosis& d) {
   if (!d.effects.empty() || agrees) {
     return fmt::format(
         "The model predicts by {} alone: {}\n"
-        "  It predicts rows held out (by {}) to {}; {} less well.\n",
+        "  It predicts rows held out (by {}) to {}; {}.\n",
         c.id, parameters_text(c.parameters), d.holdout_blocks,
         with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit),
-        agrees && d.effects.empty() ? "the simulation as given predicts them"
-                                    : "the causes above predict them");
+        agrees && d.effects.empty()
+            ? "the simulation as given predicts them less well"
+            : "of all rows left out, by load, test torque, speed and session, the causes above "
+              "predict some less well, or none surely better");
   }
   return fmt::format(
       "Empirical correction (no cause): {} as a formula: {}\n"
