@@ -169,24 +169,25 @@ std::string session_text(const Session& session) {
                                : fmt::format("{}, run {}", session.name, session.label);
 }
 
-}  // namespace
-
-LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio) {
-  if (!std::isfinite(ratio) || ratio == 0.0) {
-    throw std::invalid_argument(
-        fmt::format("loop_observations: ratio = {}, allowed: a finite number other than 0", ratio));
-  }
-  LoopObservations result;
-  const std::vector<Session> sessions = sessions_of(records, ratio, result.runs);
+/// Of each session's record; travels at 5 to 94 % of the greatest torque.
+std::vector<LoopAnalysis> analyses_of(const std::vector<Session>& sessions) {
   LoopOptions options;
   options.travel_levels.clear();
   options.travel_levels.reserve(90);
   for (int k = 5; k < 95; ++k) options.travel_levels.push_back(0.01 * k);
   std::vector<LoopAnalysis> analyses;
   analyses.reserve(sessions.size());
-  for (const Session& session : sessions)
+  for (const Session& session : sessions) {
     analyses.push_back(analyse_loops(session.samples, options));
+  }
+  return analyses;
+}
 
+/// The loops of all sessions that were measured, each sample in one of them; what is left out is
+/// counted and named in `result`, and what is used told by its sessions.
+std::vector<UsedLoop> used_loops(const std::vector<Session>& sessions,
+                                 const std::vector<LoopAnalysis>& analyses,
+                                 LoopObservations& result) {
   std::vector<UsedLoop> used;
   result.sessions.reserve(sessions.size());
   for (std::size_t s = 0; s < sessions.size(); ++s) {
@@ -219,6 +220,56 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
     }
     if (!found.loops.empty()) result.sessions.push_back(std::move(found));
   }
+  return used;
+}
+
+/// Lost motion of one loop: at zero torque, then at the test torques of its reading.
+/// @param scatter  of the row at zero torque, over that of the others
+/// @param in_time  whether its rows have times of their own: within one loop nothing tells a drift
+///     from what goes with the torque
+std::vector<Observation> rows_of_loop(const UsedLoop& used, const LoopReading& reading,
+                                      const FrictionShare& share, double scatter, bool in_time) {
+  const Session& session = *used.session;
+  const Loop& loop = *used.loop;
+  const std::vector<double>& time_s = session.samples.time_s;
+  const auto time_of = [&](double fall_sample, double rise_sample) {
+    if (time_s.empty()) return kUnknown;
+    return in_time ? mean_time(time_s, fall_sample, rise_sample) : time_s[loop.reversal_sample];
+  };
+  const auto sigma = [](double v) { return v > 0.0 ? std::sqrt(v) : kUnknown; };
+  Observation row;
+  row.condition.run = session.run;
+  row.file = session.file;
+  row.line = session.place[loop.first_sample];
+  row.condition.time_s = time_of(loop.falling_zero_sample, loop.rising_zero_sample);
+  row.response = reading.zero_rad - share.zero_rad;
+  row.scatter = scatter;
+  row.sigma = sigma(reading.zero_variance_rad2);
+  std::vector<Observation> rows{row};
+  rows.reserve(1 + reading.travel.size());
+  row.scatter = 1.0;
+  for (std::size_t k = 0; k < reading.travel.size(); ++k) {
+    const TravelReading& travel = reading.travel[k];
+    row.condition.test_torque_Nm = travel.torque_Nm;
+    row.condition.time_s = time_of(travel.fall_sample, travel.rise_sample);
+    row.response = travel.angle_rad + share.travel_rad[k];
+    row.sigma = sigma(travel.variance_rad2);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
+
+LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio) {
+  if (!std::isfinite(ratio) || ratio == 0.0) {
+    throw std::invalid_argument(
+        fmt::format("loop_observations: ratio = {}, allowed: a finite number other than 0", ratio));
+  }
+  LoopObservations result;
+  const std::vector<Session> sessions = sessions_of(records, ratio, result.runs);
+  const std::vector<LoopAnalysis> analyses = analyses_of(sessions);
+  const std::vector<UsedLoop> used = used_loops(sessions, analyses, result);
   result.measured = static_cast<int>(used.size());
   if (used.empty()) return result;
 
@@ -227,36 +278,14 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
   const std::vector<LoopReading> readings = readings_of(used, peak);
   const std::vector<FrictionShare> shares = shares_of(used, readings);
   for (std::size_t u = 0; u < used.size(); ++u) {
-    const Session& session = *used[u].session;
-    const Loop& loop = *used[u].loop;
-    Observation row;
-    row.condition.run = session.run;
-    row.file = session.file;
-    row.line = session.place[loop.first_sample];
-    const std::vector<double>& time_s = session.samples.time_s;
+    const std::vector<double>& time_s = used[u].session->samples.time_s;
     if (!time_s.empty() && !(result.record_start_s <= time_s.front())) {
       result.record_start_s = time_s.front();
     }
-    const auto time_of = [&](double fall_sample, double rise_sample) {
-      if (time_s.empty()) return kUnknown;
-      // Within one loop nothing tells a drift from what goes with the torque.
-      return used.size() > 1 ? mean_time(time_s, fall_sample, rise_sample)
-                             : time_s[loop.reversal_sample];
-    };
-    row.condition.time_s = time_of(loop.falling_zero_sample, loop.rising_zero_sample);
-    row.response = readings[u].zero_rad - shares[u].zero_rad;
-    row.scatter = zero_scatter(session, used, readings);
-    const auto sigma = [](double v) { return v > 0.0 ? std::sqrt(v) : kUnknown; };
-    row.sigma = sigma(readings[u].zero_variance_rad2);
-    result.rows.push_back(row);
-    row.scatter = 1.0;
-    for (std::size_t k = 0; k < readings[u].travel.size(); ++k) {
-      const TravelReading& travel = readings[u].travel[k];
-      row.condition.test_torque_Nm = travel.torque_Nm;
-      row.condition.time_s = time_of(travel.fall_sample, travel.rise_sample);
-      row.response = travel.angle_rad + shares[u].travel_rad[k];
-      row.sigma = sigma(travel.variance_rad2);
-      result.rows.push_back(row);
+    const double scatter = zero_scatter(*used[u].session, used, readings);
+    for (Observation& row :
+         rows_of_loop(used[u], readings[u], shares[u], scatter, used.size() > 1)) {
+      result.rows.push_back(std::move(row));
     }
   }
   result.notes.push_back(
