@@ -50,6 +50,7 @@ LedgerEntry fixed_efficiency(const DirectionalBench& bench) {
 
 LedgerEntry largest_asymmetry(const ThesisStatements& s, const DirectionalBench& bench) {
   const auto most = std::ranges::max_element(bench.felt, {}, added_loss);
+  const FeltGears& named = gears_of(bench.felt, 16, 120);
   const FeltGears& small = gears_of(bench.felt, 30, 120);
   // Two stages of a pair: efficiencies multiply.
   const double two = most->forward * most->forward - most->backward * most->backward;
@@ -58,10 +59,12 @@ LedgerEntry largest_asymmetry(const ThesisStatements& s, const DirectionalBench&
                                "stages \"further amplified\"",
                                s.largest_asymmetry_percent, s.smaller_asymmetry_percent),
           .finding =
-              "Table 3.1 agrees. Efficiencies of stages multiply: the difference of two "
+              "Table 3.1 agrees; it has as much with 16 and 100. Efficiencies of stages multiply: "
+              "the difference of two "
               "equal stages is less than twice that of one, the ratio 1/(eta_f eta_b) of "
               "what is felt its square",
           .figures = {{"greatest, " + felt_name(*most), "%", percent(added_loss(*most)), 1},
+                      {felt_name(named), "%", percent(added_loss(named)), 1},
                       {felt_name(small), "%", percent(added_loss(small)), 1},
                       {"two stages of " + felt_name(*most), "%", percent(two), 1},
                       {"felt pushed in over let out", "",

@@ -216,9 +216,11 @@ TEST(Reproduce, StatedAccuraciesAreComparedWithTheMeasurement) {
   EXPECT_NEAR(figure(4, "brackets over measured"), 30.0 / 7.1, 1e-9);
   EXPECT_NEAR(figure(4, "what the accuracy leaves"), 0.015 * 7.1, 1e-9);
   EXPECT_NEAR(figure(4, "what the bilateral drive gear's leaves"), 0.24, 1e-9);
-  // What the finding says: finer than the brackets; 7.5, which is about 8, is still outside.
+  // What the finding says: finer than the brackets; half a unit below the stated 8 is still
+  // outside.
   EXPECT_LT(figure(4, "what the accuracy leaves"), 0.3);
-  EXPECT_GT(7.5 - 7.1, 0.3);
+  const ComparedRow& stated = row(0, "lost motion by the paper's model");
+  EXPECT_GT(stated.paper.value() - 0.5, stated.measured.value() + 0.3);
 
   // q at both ends of the brackets gives these lost motions when evaluated.
   const ComparedRow& q = row(0, "allowance q of every gear");
