@@ -1,10 +1,10 @@
 // gear3k sweep: what is recorded, whatever happens to its workers.
 
-#include <cstdlib>
 #include <random>
 
 #include "sweep/model_revision.hpp"
 #include "tests/cli/run_program.hpp"
+#include "tests/sample.hpp"
 #include "tests/sweep/small_sweep.hpp"
 
 namespace gear3k::sweep_test {
@@ -147,7 +147,7 @@ TEST(Sweep, KilledWorkersLoseNothingAndRecordNothingTwice) {
   const Workplace place;
   place.write("sweep.toml", many_tasks());
   ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "calm"}).exit_code, 0);
-  const int moments = std::getenv("GEAR3K_LONG") != nullptr ? 50 : 6;
+  const int moments = sample(6, 50);
   std::mt19937 random(1);
   int killed = 0;
   for (int run = 0; killed < moments; ++run) {

@@ -16,6 +16,7 @@
 
 #include "tests/rig/rig_train.hpp"
 #include "tests/sample.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tests/wide_rig/alternatives.hpp"
 #include "tests/wide_rig/bench_subject.hpp"
 #include "tests/wide_rig/hidden_effect.hpp"
@@ -432,8 +433,8 @@ TEST(WideRig, ConfoundedConditionsShowInWhatIsAcceptable) {
 TEST(WideRig, ProgramReadsEveryFile) {
   const std::string program = GEAR3K_PROGRAM;
   ASSERT_TRUE(std::filesystem::exists(program)) << program;
-  const std::filesystem::path folder = testing::TempDir() + "wide_rig_files";
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
   std::set<std::string> seen;
   for (const Line& line : lines()) {
     const Campaign campaign = make_campaign(line, 4.0, 9);
@@ -441,14 +442,13 @@ TEST(WideRig, ProgramReadsEveryFile) {
     if (seen.size() % sample<std::size_t>(3, 1) != 0) continue;
     std::string command = '"' + program + "\" diagnose --quiet --threads 1";
     const auto write = [&](const std::string& name, const std::string& text) {
-      std::ofstream(folder / name) << text;
+      test::write_text(folder / name, text);
       command += " \"" + (folder / name).string() + '"';
     };
     write("subject.toml", campaign.subject_toml);
     for (const File& file : campaign.files) write(file.name, file.text);
     EXPECT_EQ(std::system((command + " > /dev/null").c_str()), 0) << line.name;
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

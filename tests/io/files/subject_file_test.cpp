@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <variant>
 
 #include "io/text/diagnostics.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace gear3k::io::subject_file_test {
 namespace {
@@ -32,12 +31,10 @@ void expect_in(const std::string& part, const std::string& text) {
 }
 
 calibrate::Subject subject_of(const std::string& text) {
-  const std::string path = testing::TempDir() + "gear3k_subject_" +
-                           testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
-  std::ofstream(path) << text;
-  calibrate::Subject subject = read_subject(path);
-  std::filesystem::remove(path);
-  return subject;
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "subject.toml").string();
+  test::write_text(path, text);
+  return read_subject(path);
 }
 
 TEST(BlackBox, IsReadFromItsCatalogueValues) {
