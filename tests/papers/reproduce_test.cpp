@@ -175,6 +175,14 @@ std::pair<double, double> efficiencies_by_hand(const design::Evaluation& e, doub
               (eta[2] * (g1 + eta[0] * eta[1]) * (1.0 - g2))};
 }
 
+// Eq. 18 by hand at mu = 0.1; as the paper prints it, with G1, it is negative.
+TEST(Reproduce, Equation18NeedsG2) {
+  const design::Evaluation e =
+      std::get<design::Evaluation>(design::evaluate(published_sources().low_backlash.design));
+  EXPECT_NEAR(figure(1, "eta_f with G2"), efficiencies_by_hand(e, 0.1).first, 1e-12);
+  EXPECT_LT(figure(1, "eta_f as printed"), 0.0);
+}
+
 // The low-backlash paper's section IV: 84 % backward at about 8 arcmin; 89 % at 2 arcmin.
 TEST(Reproduce, SimulatedEfficiencyImpliesAFrictionBetweenBothFits) {
   const ComparedRow& backward = row(0, "backward efficiency (eq. 19), mu = 0.1");
@@ -247,7 +255,8 @@ struct Erratum {
   double value, half_unit;
 };
 
-// What was found by an independent recomputation, to its printed digits.
+// What was found by an independent recomputation (also tests/golden/published_3k.toml), to its
+// printed digits.
 TEST(Reproduce, LedgerHoldsTheFiguresOfTheErrata) {
   ASSERT_EQ(reproduction().ledger.size(), 13U);
   for (const Erratum& e : std::initializer_list<Erratum>{
