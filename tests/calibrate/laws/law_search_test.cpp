@@ -220,7 +220,7 @@ TEST(LawSearch, APeakFarAboveWhatTheRowsHoldIsNot) {
       },
       0.0004, 13);
   const auto found = law_in(rig);
-  if (!found) return;
+  ASSERT_TRUE(found);
   double greatest = 0.0;
   for (double rpm = 150.0; rpm <= 3000.0; rpm += 10.0) {
     Condition c = rig.data.rows.front().condition;
