@@ -18,6 +18,8 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "app/sweep.hpp"
@@ -83,6 +85,21 @@ int write_until_done(const SweepLoad& load) {
   }
 }
 
+/// Removes a folder, also where the benchmark ends by an exception; "": none.
+class RemovedAtTheEnd {
+ public:
+  explicit RemovedAtTheEnd(fs::path folder) : folder_(std::move(folder)) {}
+  ~RemovedAtTheEnd() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  RemovedAtTheEnd(const RemovedAtTheEnd&) = delete;
+  RemovedAtTheEnd& operator=(const RemovedAtTheEnd&) = delete;
+
+ private:
+  fs::path folder_;
+};
+
 bool report_bound(const char* what, double value, const char* unit, bool kept) {
   std::printf("%-56s %10.4g %s%s\n", what, value, unit, kept ? "" : "   MISSED");
   return kept;
@@ -93,6 +110,7 @@ bool report_bound(const char* what, double value, const char* unit, bool kept) {
 PROGRAM(sweep_store)(int argc, char** argv) {
   std::string made = (fs::temp_directory_path() / "gear3k_sweep_XXXXXX").string();
   const fs::path folder = argc > 1 ? fs::path(argv[1]) : fs::path(::mkdtemp(made.data()));
+  const RemovedAtTheEnd removed{argc > 1 ? fs::path() : folder};
   const sweep::Sweep sweep = many_tasks(folder);
   SweepLoad load{.path = (folder / "many.db").string(), .run = 0, .result = {}};
   bool good = true;
@@ -161,8 +179,9 @@ PROGRAM(sweep_store)(int argc, char** argv) {
     const std::string path = (folder / fmt::format("w{}.db", workers)).string();
     const double before_s = children_cpu_s();
     const double from = sweep_seconds();
-    const std::string command = fmt::format("{} sweep {} --out {} --workers {} --quiet >/dev/null",
-                                            GEAR3K_PROGRAM, example, path, workers);
+    const std::string command =
+        fmt::format("'{}' sweep '{}' --out '{}' --workers {} --quiet >/dev/null", GEAR3K_PROGRAM,
+                    example, path, workers);
     good = std::system(command.c_str()) == 0 && good;
     const double all_s = children_cpu_s() - before_s;
     const double wall = sweep_seconds() - from;
@@ -173,7 +192,6 @@ PROGRAM(sweep_store)(int argc, char** argv) {
     const double share = all_s / tasks_s - 1.0;
     good = report_bound("CPU beside the tasks", 100.0 * share, "%", share < 0.05) && good;
   }
-  if (argc <= 1) fs::remove_all(folder);
   return good ? 0 : 1;
 }
 

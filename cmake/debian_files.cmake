@@ -1,7 +1,11 @@
 # Within cpack: fills ${debian_files} with the package's licence and its two changelogs; dates are
-# those of CHANGELOG.md.  Folders that were made on the way get what Debian wants, whatever umask is.
-file(CHMOD_RECURSE $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX} DIRECTORY_PERMISSIONS
-     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+# those of CHANGELOG.md.  Folders that were made on the way get what Debian wants, whatever umask is;
+# outside cpack those of the prefix are others' as well and stay as they are.
+set(root $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX})
+if(root MATCHES "/_CPack_Packages/")
+  file(CHMOD_RECURSE ${root} DIRECTORY_PERMISSIONS
+       OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+endif()
 string(REPLACE . \\. version ${PROJECT_VERSION})
 file(STRINGS ${PROJECT_SOURCE_DIR}/CHANGELOG.md heading REGEX "^## ${version} \\(.*\\)$")
 if(NOT heading MATCHES "([0-9]+-[0-9]+-[0-9]+)\\)$")
