@@ -167,10 +167,13 @@ LedgerEntry time_axis_erratum(const BackdrivabilityStatements& s, const KneeExam
 
 LedgerEntry passable_erratum(const BackdrivabilityStatements& s) {
   return {.where = "Sec. 4.1: I to II",
-          .paper = "backdriven during about 2/3 of the time",
+          .paper =
+              fmt::format("backdriven during about 2/3 of the time from {:g} to {:g}, from {:g} on",
+                          s.point_i, s.point_ii, s.enough_torque),
           .finding = "its own three instants give more",
-          .figures = {{"share", "%",
-                       percent((s.point_ii - s.enough_torque) / (s.point_ii - s.point_i)), 1}}};
+          .figures = {
+              {"share", "%", percent((s.point_ii - s.enough_torque) / (s.point_ii - s.point_i)), 1},
+              {"stated", "%", percent(s.passable_share), 1}}};
 }
 
 LedgerEntry regeneration_erratum(const BackdrivabilityStatements& s, const KneeExample& knee) {
