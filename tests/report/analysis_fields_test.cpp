@@ -289,5 +289,71 @@ TEST(AnalysisFields, CsvHasTheMeasuresOfAGearByTheirQuantities) {
                       {"cutter_center_distance", t.cutter_center_distance_m * 1e3}});
 }
 
+TEST(AnalysisFields, CsvHasTheNumbersOfTheTrainByTheirQuantities) {
+  EachAnother value;
+  const design::Evaluation e = any_train(value);
+  const io::CsvTable table = io::parse_csv(analysis_csv(e, {}), "analysis.csv");
+  expect_all_numbers(rows_of(table, "train"),
+                     {{"planets", 5.0},
+                      {"ratio", e.ratio},
+                      {"g1", e.g1},
+                      {"g2", e.g2},
+                      {"center_distance", e.center_distance_m * 1e3},
+                      {"efficiency_forward", *e.efficiency.forward},
+                      {"efficiency_backward", *e.efficiency.backward},
+                      {"backdriving_margin", e.efficiency.backdriving_margin},
+                      {"lost_motion_paper", e.lost_motion.paper_rad * kArcmins},
+                      {"lost_motion_kinematic", e.lost_motion.kinematic_rad * kArcmins},
+                      {"lost_motion_input_kinematic", e.lost_motion.input_kinematic_rad * kArcmins},
+                      {"lost_motion_measured", *e.lost_motion.measured_rad * kArcmins},
+                      {"inertia_lossless", e.inertia->lossless_kgm2},
+                      {"inertia_backward", *e.inertia->backward_kgm2},
+                      {"inertia_forward", *e.inertia->forward_kgm2},
+                      {"inertia_paper", *e.inertia->paper_kgm2},
+                      {"mass", *e.total_mass_kg}});
+  expect_all_numbers(rows_of(table, "stage 1"), {{"module", e.module_m[0] * 1e3}});
+  expect_all_numbers(rows_of(table, "stage 2"), {{"module", e.module_m[1] * 1e3}});
+  expect_all_numbers(rows_of(table, "planet 0"),
+                     {{"phase", e.assembly.planet_phase_rad[0] * kDegrees}});
+  expect_all_numbers(rows_of(table, "planet 1"),
+                     {{"phase", e.assembly.planet_phase_rad[1] * kDegrees}});
+  expect_all_numbers(
+      rows_of(table, "P1"),
+      {{"count", 7.0}, {"mass", *e.parts[0].mass_kg}, {"inertia", *e.parts[0].inertia_kgm2}});
+}
+
+TEST(AnalysisFields, CsvHasTheNumbersOfAMeshByTheirQuantities) {
+  EachAnother value;
+  design::Evaluation e{};
+  e.meshes = {any_mesh(value)};
+  const design::MeshResult& m = e.meshes[0];
+  expect_all_numbers(rows_of(io::parse_csv(analysis_csv(e, {}), "analysis.csv"), "S-P1"),
+                     {{"working_pressure_angle", m.working_pressure_angle_rad * kDegrees},
+                      {"zero_backlash_center_distance", *m.zero_backlash_center_distance_m * 1e3},
+                      {"contact_ratio", m.contact_ratio},
+                      {"approach_contact_ratio", m.approach_contact_ratio},
+                      {"recess_contact_ratio", m.recess_contact_ratio},
+                      {"normal_backlash", m.normal_backlash_m * 1e6},
+                      {"friction_forward", m.friction_forward},
+                      {"friction_backward", m.friction_backward},
+                      {"efficiency_forward", m.efficiency_forward},
+                      {"efficiency_backward", m.efficiency_backward},
+                      {"loss_model_in_range", 0.0},
+                      {"hunting_period", 12345.0},
+                      {"common_factor", 17.0},
+                      {"phase_planet0", m.planet_phase[0]},
+                      {"phase_planet1", m.planet_phase[1]},
+                      {"active_root_diameter_gear1", *m.active_root_diameter_m[0] * 1e3},
+                      {"active_root_diameter_gear2", *m.active_root_diameter_m[1] * 1e3},
+                      {"root_clearance_gear1", m.root_clearance_m[0] * 1e3},
+                      {"root_clearance_gear2", m.root_clearance_m[1] * 1e3},
+                      {"specific_sliding_tip_gear1", m.tip_sliding[0].specific_at_tip},
+                      {"specific_sliding_tip_gear2", m.tip_sliding[1].specific_at_tip},
+                      {"specific_sliding_root_gear1", m.tip_sliding[1].specific_at_root},
+                      {"specific_sliding_root_gear2", m.tip_sliding[0].specific_at_root},
+                      {"sliding_factor_tip_gear1", m.tip_sliding[0].sliding_factor},
+                      {"sliding_factor_tip_gear2", m.tip_sliding[1].sliding_factor}});
+}
+
 }  // namespace
 }  // namespace gear3k::report::analysis_fields_test

@@ -220,5 +220,27 @@ TEST(BuiltSeriesNumbers, CsvOfTolerancesHasEveryNumberByItsColumn) {
   }
 }
 
+TEST(BuiltSeriesNumbers, CsvOfTheSeriesHasItsNumbersByTheirQuantities) {
+  EachAnother value;
+  design::BuiltSeries s = any_series(value);
+  s.shares = {};
+  const io::CsvTable table =
+      io::parse_csv(kRowsHeader + built_series_fields(s).csv_rows(), "analysis.csv");
+  Numbers rows;
+  for (const auto& row : table.rows) {
+    EXPECT_EQ(table.text(row, "item"), "built");
+    rows[*table.text(row, "quantity")] = *table.number(row, "value");
+  }
+  const backlash::MonteCarloResult& r = s.result;
+  expect_all_numbers(rows,
+                     {{"assembled", r.assembled.value},
+                      {"yield", r.yield.value},
+                      {"limit_of_99_percent", *r.limit_of_99_percent_rad * kArcmins},
+                      {"lost_motion_mean", r.lost_motion.mean_rad * kArcmins},
+                      {"lost_motion_standard_deviation", r.lost_motion.deviation_rad * kArcmins},
+                      {"lost_motion_worst_case", r.worst.greatest_rad * kArcmins},
+                      {"margin_worst_case", r.worst.least_margin_m * 1e6}});
+}
+
 }  // namespace
 }  // namespace gear3k::report::built_series_numbers_test
