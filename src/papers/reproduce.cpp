@@ -162,8 +162,8 @@ void append_allowance_rows(const PublishedGearbox& gearbox, const Evaluation& e,
   if (!gearbox.measured_lost_motion_rad) return;
   const double measured = *gearbox.measured_lost_motion_rad;
   const Design fixed = at_distance(gearbox.design, e.center_distance_m);
-  const auto add = [&](std::string quantity, const char* unit, int decimals, auto value) {
-    rows.push_back({.quantity = std::move(quantity),
+  const auto add = [&](const std::string& quantity, const char* unit, int decimals, auto value) {
+    rows.push_back({.quantity = quantity,
                     .unit = unit,
                     .paper = {},
                     .equations = value(LostMotionModel::kPaper),

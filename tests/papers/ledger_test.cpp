@@ -2,6 +2,7 @@
 // what the data have of it.
 #include "papers/ledger.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,10 +54,10 @@ std::vector<std::string> places_of(const std::string& text) {
       const std::string name = item->str(2);
       if (item->length(1) > 0) {
         for (int k = last + 1; k < std::stoi(name); ++k) {
-          places.push_back(kind + ' ' + std::to_string(k));
+          places.push_back(fmt::format("{} {}", kind, k));
         }
       }
-      places.push_back(kind + ' ' + name);
+      places.push_back(fmt::format("{} {}", kind, name));
       last = std::isdigit(static_cast<unsigned char>(name.front())) != 0 ? std::stoi(name) : 0;
     }
   }
