@@ -2,10 +2,10 @@
 // The sun's torque of a train of fixed geometry with its derivatives by what it loses.
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "design/operation.hpp"
-#include "design/train_motion.hpp"
 
 namespace gear3k::design {
 
@@ -23,41 +23,29 @@ struct VariedLosses {
 
 /// operate()'s sun_torque_Nm with its derivatives by the losses, in many states of one train.
 ///
-///   τ = F(τ, p):   dT/dp = ∂T/∂p + ∂T/∂τ (I − ∂F/∂τ)⁻¹ ∂F/∂p
+/// R2's mesh carries what R2 is loaded with, and the meshes of S and R1 together what R2 and the
+/// carrier leave, whatever the friction: of three mesh torques friction decides one, τ that of S,
 ///
-/// The mesh torques τ that friction is taken at are iterated as plain numbers until they repeat to
-/// rounding, with the efficiency in the direction of each mesh's power only, and the derivatives
-/// follow from the balance there: twenty times as fast as to iterate them too.  What no state
+///   τ = F(τ, p):   dτ/dp = ∂F/∂p / (1 − ∂F/∂τ)
+///
+/// τ is found by Newton's method with F and ∂F/∂τ alone, with the efficiency in the direction of
+/// each mesh's power only, and the derivatives by p follow from the balance there.  What no state
 /// changes is made once.
 /// Source: theorem of implicit functions; docs/theory §24-§26 as operate().
 /// Accuracy: as operate() to rounding, which it was tested against.
 class SunTorque {
  public:
   /// @param train  its geometry must outlive this
-  SunTorque(const FixedTrain& train, VariedLosses losses);
+  SunTorque(const FixedTrain& train, const VariedLosses& losses);
 
-  /// @returns empty also where operate() has to decide: it does not settle in a few passes, or
-  /// another combination of driving members is in balance too
+  /// @returns empty also where operate() has to decide: it does not settle in a few passes, repels
+  /// the passes of operate(), or the members that drive are not those of a train without losses
   [[nodiscard]] std::optional<Jet1> at(const OperatingPoint<double>& point,
                                        Direction direction) const;
 
  private:
-  FixedTrain train_;
-  VariedLosses losses_;
-  /// The losses as numbers, of which `by_torque_` has no derivatives either: its scalar carries
-  /// those by the three mesh torques.
-  struct Numbers {
-    efficiency::Friction<double> friction;
-    ShaftLosses<double> shafts;
-  } numbers_;
-  struct ByTorque {
-    efficiency::Friction<Jet3> friction;
-    ShaftLosses<Jet3> shafts;
-  } by_torque_;
-  /// Of the meshes at any speed; and the sun's speed over the output's.
-  std::array<MeshConstants<double>, train::kMeshCount> meshes_;
-  double sun_speed_ = 0.0;
-  bool meshes_run_ = true;  ///< all have a contact ratio
+  struct Parts;
+  std::shared_ptr<const Parts> parts_;
 };
 
 }  // namespace gear3k::design

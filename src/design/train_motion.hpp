@@ -121,9 +121,10 @@ T planet_force(const train::TrainGeometry<G>& g,
   return value_of(square) > 0.0 ? T(sqrt(square)) : constant<T>(0.0);
 }
 
-template <class T>
-T drag_torque(const ShaftDrag<T>& drag, const T& speed_rad_s) {
-  const T w = magnitude(speed_rad_s);
+/// @tparam V  scalar of the speed
+template <class T, class V>
+T drag_torque(const ShaftDrag<T>& drag, const V& speed_rad_s) {
+  const V w = magnitude(speed_rad_s);
   return drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w;
 }
 
@@ -141,15 +142,16 @@ inline std::array<double, kShaftCount> shaft_speeds(const train::ToothSet& z) {
 }
 
 /// Magnitudes, all planets together.
-template <class T, class G>
+/// @tparam V  scalar of speed and temperature
+template <class T, class G, class V>
 std::array<T, kShaftCount> drag_torques(const train::TrainGeometry<G>& g,
-                                        const ShaftLosses<T>& shafts, const T& output_speed_rad_s,
-                                        const T& temperature_K) {
+                                        const ShaftLosses<T>& shafts, const V& output_speed_rad_s,
+                                        const V& temperature_K) {
   using std::exp;
   const auto speed = shaft_speeds(g.teeth);
   std::array<T, kShaftCount> drag{};
   for (std::size_t i = 0; i < kShaftCount; ++i) {
-    drag[i] = drag_torque(shafts.drag[i], T(speed[i] * output_speed_rad_s));
+    drag[i] = drag_torque(shafts.drag[i], V(speed[i] * output_speed_rad_s));
   }
   if (!is_neutral(shafts.drag_temperature_1_K, 0.0)) {
     const T factor =

@@ -161,8 +161,13 @@ T curve_at(const FrictionBend<T>& bend, const T& x) {
 
 template <class T>
 FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const T& temperature_K) {
+  return friction_at(friction, bent_by(friction.extension), temperature_K);
+}
+template <class T>
+FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const BentBy& bent,
+                                     const T& temperature_K) {
   FrictionAtTemperature<T> at{.friction = &friction,
-                              .bent = bent_by(friction.extension),
+                              .bent = bent,
                               .viscosity_factor = constant<T>(1.0),
                               .roughness_factor = constant<T>(1.0)};
   if (friction.law == FrictionLaw::kSchlenk) {
@@ -194,15 +199,16 @@ std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshSta
   return friction_coefficient(friction_at(friction, state.temperature_K), state);
 }
 
-#define INSTANTIATE(T)                                                               \
-  template T curve_at<T>(const FrictionBend<T>&, const T&);                          \
-  template T dynamic_viscosity<T>(const Lubricant<T>&, const T&);                    \
-  template FrictionAtTemperature<T> friction_at<T>(const Friction<T>&, const T&);    \
-  template std::optional<T> friction_coefficient<T>(const FrictionAtTemperature<T>&, \
-                                                    const MeshState<T>&);            \
+#define INSTANTIATE(T)                                                                           \
+  template T curve_at<T>(const FrictionBend<T>&, const T&);                                      \
+  template T dynamic_viscosity<T>(const Lubricant<T>&, const T&);                                \
+  template FrictionAtTemperature<T> friction_at<T>(const Friction<T>&, const T&);                \
+  template FrictionAtTemperature<T> friction_at<T>(const Friction<T>&, const BentBy&, const T&); \
+  template std::optional<T> friction_coefficient<T>(const FrictionAtTemperature<T>&,             \
+                                                    const MeshState<T>&);                        \
   template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
-INSTANTIATE(Jet3)
+INSTANTIATE(JetTorque)
 #undef INSTANTIATE
 
 }  // namespace gear3k::efficiency

@@ -159,6 +159,10 @@ struct FrictionAtTemperature {
 /// @param friction  must outlive the result
 template <class T>
 FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const T& temperature_K);
+/// @param bent  bent_by() of its extension, where many temperatures are asked for
+template <class T>
+FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const BentBy& bent,
+                                     const T& temperature_K);
 
 /// The same to the last bit, for states of that temperature.
 template <class T>

@@ -11,9 +11,9 @@
 namespace gear3k {
 
 using Jet1 = ceres::Jet<double, kMaxVariables>;  ///< value and gradient
-/// Value and derivatives by the torques of a train's three meshes: for its balance alone, whose
-/// functions are instantiated for it beside the others.
-using Jet3 = ceres::Jet<double, 3>;
+/// Value and derivative by one torque: for the balance of a train alone, whose friction is
+/// instantiated for it beside the others.
+using JetTorque = ceres::Jet<double, 1>;
 
 /// The number under a scalar, without its derivatives.
 inline double value_of(double x) { return x; }

@@ -114,7 +114,6 @@ std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train) {
 #define INSTANTIATE(T) \
   template std::optional<PowerFlow<T>> solve_power_flow<T>(const LoadedTrain<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
-INSTANTIATE(Jet3)
 #undef INSTANTIATE
 
 }  // namespace gear3k::train
