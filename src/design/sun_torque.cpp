@@ -367,6 +367,7 @@ std::optional<Jet1> SunTorque::Parts::sun_torque(const Running& r) const {
   const auto balanced = balance_at<Jet1>(r, losses, known, torque, drives, nullptr);
   if (!balanced) return std::nullopt;
   const MeshTorques<double> found{balanced->sun.a, balanced->ring1.a, numbers_known.ring2_mesh};
+  if (!std::ranges::all_of(found, [](double x) { return std::isfinite(x); })) return std::nullopt;
   if (pattern_of(train, found, drives) != drives) return std::nullopt;
   if (numbers.has_bearing) {
     const double pin = pin_of(r, numbers, numbers_known, found);
