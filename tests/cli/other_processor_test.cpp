@@ -1,6 +1,7 @@
 // What docs/decisions.md, 31, promises of another machine, tried with the C library's functions for
 // processors without FMA.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,7 +65,7 @@ TEST(AnotherProcessor, GivesTheSameResultsTo1em12) {
            {"analyze", "designs/ratio_96_with_losses"},
            {"map", "designs/ratio_96_with_losses"},
            {"mesh", "pairs/gearpie_c14"}}) {
-    SCOPED_TRACE(command + " " + file);
+    SCOPED_TRACE(fmt::format("{} {}", command, file));
     place.write("gear.toml", example(file + ".toml"));
     const std::vector<std::string> words{command, "gear.toml", "--format", "json"};
     const auto here = place.run(words);

@@ -145,11 +145,10 @@ design::Evaluation any_train(EachAnother& value) {
   e.efficiency.forward = value();
   e.efficiency.backward = value();
   e.lost_motion.measured_rad = value();
-  e.inertia.emplace();
-  e.inertia->lossless_kgm2 = value();
-  e.inertia->backward_kgm2 = value();
-  e.inertia->forward_kgm2 = value();
-  e.inertia->paper_kgm2 = value();
+  e.inertia = design::InertiaResult{.lossless_kgm2 = value(),
+                                    .backward_kgm2 = value(),
+                                    .forward_kgm2 = value(),
+                                    .paper_kgm2 = value()};
   design::PartMass& part = e.parts.emplace_back();
   part.name = "P1";
   part.count = 7;
