@@ -119,7 +119,8 @@ if command -v slurmctld slurmd munged sbatch >/dev/null 2>&1 && start_slurm; the
   run_on_slurm
   echo "four shards under $(sbatch --version)"
 else
-  echo "no Slurm could be started: the shards ran one after the other"
+  # As GoogleTest has it: ./check shows these lines.
+  echo "[  SKIPPED ] sweep_shards: no Slurm could be started, one shard after the other (0 ms)"
   for shard in 1 2 3 4; do
     SLURM_ARRAY_TASK_ID=$shard bash "$script" small.toml shards 4 >"shard-$shard.log" 2>&1 ||
       { cat "shard-$shard.log"; exit 1; }
