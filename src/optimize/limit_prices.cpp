@@ -414,7 +414,7 @@ std::vector<SearchBound> bounds_met(const Specification& spec, const RefinedSet&
   const auto counts = train::teeth_of(z);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const auto& list = spec.limits.allowed_teeth[i];
-    if (list.empty()) continue;
+    if (list.empty() || !spec.limits[design::CheckId::kAllowedTeeth]) continue;
     const auto [least, most] = std::ranges::minmax(list);
     meet(counts[i] == least || counts[i] == most,
          fmt::format("allowed_teeth.{}", train::kGearNames[i]), counts[i]);

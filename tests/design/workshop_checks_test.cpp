@@ -313,7 +313,8 @@ TEST(Preset, IsWrittenWithItsLimitsAndReadBackAlike) {
     for (const std::string limits :
          {"", "[limits]\nspecific_sliding = false\nhunting_tooth = true\nwall = false\n",
           "[limits]\nhunting_tooth = 2\nhunting_meshes = [\"S-P1\"]\nsame_module = true\n"
-          "[allowed_teeth]\nS = [13, 14]\n[backlash.P1-R1]\nmin_normal_um = 4.0\n"}) {
+          "[allowed_teeth]\nS = [13, 14]\n[backlash.P1-R1]\nmin_normal_um = 4.0\n",
+          "[limits]\nallowed_teeth = false\n[allowed_teeth]\nS = [13, 14]\n"}) {
       const Design stated = io::parse_design(text_with(limits, top), "design.toml");
       const Design read = io::parse_design(io::design_text(stated), "written.toml");
       EXPECT_EQ(read.limits.limit, stated.limits.limit) << top << limits;

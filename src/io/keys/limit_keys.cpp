@@ -42,6 +42,12 @@ bool has_limit_unstated(const CheckRecord& r, const design::Limits& limits) {
   return r.default_limit || (limits.preset && design::preset_limit(*limits.preset, r.id));
 }
 
+/// Whether a gear has a list in [allowed_teeth].
+bool has_lists(const design::Limits& limits) {
+  return std::ranges::any_of(limits.allowed_teeth,
+                             [](const auto& teeth) { return !teeth.empty(); });
+}
+
 std::string unit_in_words(const CheckRecord& r) {
   const std::string_view unit = units::unit_name(r.unit);
   return unit.empty() ? "" : fmt::format(" in {}", unit);
@@ -226,6 +232,10 @@ LimitInput stated_limits(const design::Limits& limits) {
       input.switched[static_cast<std::size_t>(r.id)] = false;
     }
   }
+  // The lists alone would ask for the check.
+  if (has_lists(limits) && !limits[CheckId::kAllowedTeeth]) {
+    input.switched[static_cast<std::size_t>(CheckId::kAllowedTeeth)] = false;
+  }
   input.switched[static_cast<std::size_t>(CheckId::kIdenticalPlanets)] =
       limits[CheckId::kIdenticalPlanets].has_value();
   return input;
@@ -271,9 +281,7 @@ void report_missing_limit(const CheckRecord& r, FileReading& reading) {
 
 design::Limits finish_limits(const LimitInput& input, FileReading& reading) {
   design::Limits limits = input.limits;
-  const bool lists =
-      std::ranges::any_of(limits.allowed_teeth, [](const auto& teeth) { return !teeth.empty(); });
-  if (lists) limits[CheckId::kAllowedTeeth] = 0.0;
+  if (has_lists(limits)) limits[CheckId::kAllowedTeeth] = 0.0;
   take_preset(input, reading, limits);
   for (const CheckRecord& r : design::check_records()) {
     const auto& on = input.switched[static_cast<std::size_t>(r.id)];
