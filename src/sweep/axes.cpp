@@ -297,8 +297,10 @@ class AxesReader {
       return;
     }
     const std::string file = (std::filesystem::path(folder_) / member.text).string();
-    const io::CsvTable table =
-        io::parse_csv(io::read_text(file, "a CSV file", kMostRowBytes), file);
+    const std::string text = io::text_of_named_file(
+        [](const std::string& path) { return io::read_text(path, "a CSV file", kMostRowBytes); },
+        file, "vary.rows", reading_.place_of(member.position));
+    const io::CsvTable table = io::parse_csv(text, file);
     io::FileReading own(file);
     Axis axis;
     std::vector<std::size_t> columns;  // of the paths

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "io/text/diagnostics.hpp"
+#include "sweep/schema.hpp"
 
 namespace gear3k::sweep {
 
@@ -34,7 +35,7 @@ std::map<std::string, std::string> keys_of(const Database& database, std::int64_
   Statement values = database.prepare(
       "SELECT k.path, v.value FROM task_key v JOIN key k ON k.id = v.key WHERE v.task = ?1");
   values.with(task);
-  while (values.step()) keys[values.text(0)] = text_of(values.value(1));
+  while (values.step()) keys[values.text(0)] = text_of(key_value(values.text(0), values.value(1)));
   return keys;
 }
 

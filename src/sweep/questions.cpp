@@ -80,9 +80,7 @@ std::vector<KeyPath> key_paths(const Database& database) {
 }
 
 Column key_column(const KeyPath& key) {
-  return {.name = key.path,
-          .sql = fmt::format("(SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {})",
-                             key.id)};
+  return {.name = key.path, .sql = key_value_sql(key.path, key.id)};
 }
 
 Column design_column(const std::string& name) { return {.name = name, .sql = "d." + quoted(name)}; }
@@ -95,8 +93,8 @@ std::vector<Column> differing_keys(const Database& database, const std::string& 
   std::set<std::string> differing;
   Statement paths = database.prepare(fmt::format(
       "SELECT p.path FROM task_key k JOIN key p ON p.id = k.key WHERE k.task IN (SELECT "
-      "t.id FROM {0}) GROUP BY k.key HAVING count(DISTINCT k.value) > 1 OR count(*) < "
-      "(SELECT count(*) FROM {0})",
+      "t.id FROM {0}) GROUP BY k.key HAVING count(DISTINCT k.value) > 1 OR "
+      "count(DISTINCT typeof(k.value)) > 1 OR count(*) < (SELECT count(*) FROM {0})",
       tasks));
   while (paths.step()) differing.insert(paths.text(0));
   std::vector<Column> columns;

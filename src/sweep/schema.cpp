@@ -9,6 +9,7 @@
 #include "io/text/diagnostics.hpp"
 #include "report/search_report.hpp"
 #include "sweep/file_system.hpp"
+#include "sweep/task.hpp"
 
 namespace gear3k::sweep {
 
@@ -123,6 +124,21 @@ std::string quoted(const std::string& name) {
   return text + "\"";
 }
 
+std::string key_value_sql(const std::string& path, std::int64_t id) {
+  return fmt::format("(SELECT {} FROM task_key k WHERE k.task = t.id AND k.key = {})",
+                     is_number_or_switch(path)
+                         ? "CASE typeof(value) WHEN 'integer' THEN CASE value WHEN 0 THEN 'false' "
+                           "ELSE 'true' END ELSE value END"
+                         : "value",
+                     id);
+}
+
+SqlValue key_value(const std::string& path, SqlValue stored) {
+  const auto* const integer = std::get_if<std::int64_t>(&stored);
+  if (integer == nullptr || !is_number_or_switch(path)) return stored;
+  return *integer == 0 ? "false" : "true";
+}
+
 void make_result_view(Database& database) {
   const std::vector<std::string> of_design = design_columns();
   std::string keys;
@@ -131,8 +147,7 @@ void make_result_view(Database& database) {
   Statement paths = database.prepare("SELECT id, path FROM key ORDER BY path");
   while (paths.step()) {
     const std::string path = paths.text(1);
-    const std::string value = fmt::format(
-        "(SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {})", paths.integer(0));
+    const std::string value = key_value_sql(path, paths.integer(0));
     // A key that is a column too, as planets: what the task does not state its design tells.
     const bool both = std::ranges::find(of_design, path) != of_design.end();
     keys += fmt::format(", {} AS {}",

@@ -25,6 +25,13 @@ std::vector<std::string> design_columns();
 /// Names in quotes, as SQL wants those with a dot.
 std::string quoted(const std::string& name);
 
+/// The value of a key of task t.  Databases of before have 1 and 0, as integers, for the switches
+/// of keys that also take numbers, which are real: they read as 'true' and 'false', too.
+/// @param id  of the key in this database
+std::string key_value_sql(const std::string& path, std::int64_t id);
+/// That of a row of task_key.
+SqlValue key_value(const std::string& path, SqlValue stored);
+
 /// Makes the view `result` anew, with a column for every key that any task states.
 void make_result_view(Database& database);
 

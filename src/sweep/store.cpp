@@ -69,6 +69,13 @@ void insert_design(Database& database, std::int64_t task, std::size_t rank,
   insert.run();
 }
 
+/// A switch of a key that also takes numbers is a text: 1 would be the number.
+SqlValue value_of_key(const io::StatedValue& stated) {
+  const bool is_switch = stated.value.kind == io::TomlValue::Kind::kBoolean;
+  if (is_switch && is_number_or_switch(stated.path)) return io::toml_text(stated.value);
+  return sql_value(stated.value);
+}
+
 std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
 
 /// Writes what a task became; its row is there and has no result.
@@ -161,7 +168,7 @@ std::uint64_t Store::plan(std::int64_t run, const Sweep& sweep, const Shard& sha
     find.reset();
     // Also of a task that is known: it may have stated less.
     for (const io::StatedValue& v : task.values) {
-      value.with(id, key_id(v.path), sql_value(v.value)).run();
+      value.with(id, key_id(v.path), value_of_key(v)).run();
     }
     member.with(run, id).run();
     if (database_.changes() == 0) continue;

@@ -11,6 +11,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/keys/material_keys.hpp"
 #include "io/keys/strength_keys.hpp"
+#include "io/text/file_reader.hpp"
 #include "sweep/task.hpp"
 
 namespace gear3k::sweep {
@@ -140,7 +141,11 @@ Sweep read_sweep(const std::string& path) {
                                      : "no task: allowed: spec = \"SPEC.toml\", or a table [task]");
   } else if (input.spec) {
     sweep.task_file = (std::filesystem::path(folder) / *input.spec).string();
-    of_spec.attempt([&] { task = io::read_toml(sweep.task_file); });
+    of_spec.attempt([&] {
+      const std::string text = io::text_of_named_file(io::read_toml_text, sweep.task_file, "spec",
+                                                      reading.place_of("spec"));
+      task = io::parse_toml(text, sweep.task_file);
+    });
   }
   if (task) {
     sweep.task = io::with_material_tables(*task, io::train_gear_tables());

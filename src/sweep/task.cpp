@@ -7,6 +7,7 @@
 
 #include "io/files/specification_file.hpp"
 #include "io/keys/co_design_keys.hpp"
+#include "io/keys/specification_keys.hpp"
 #include "io/text/file_reader.hpp"
 #include "io/text/fnv_hash.hpp"
 #include "sweep/axes.hpp"
@@ -48,6 +49,13 @@ std::uint64_t hashed_files(std::uint64_t hash, const io::TomlValue& value) {
 
 bool names_files(std::string_view path) {
   return std::ranges::find(io::kCoDesignFileKeys, path) != io::kCoDesignFileKeys.end();
+}
+
+bool is_number_or_switch(std::string_view path) {
+  const io::KeyIndex& index = io::specification_schema().index();
+  const auto found = index.by_path.find(std::string(path));
+  return found != index.by_path.end() &&
+         index.keys[found->second].record->type == io::KeyType::kNumberOrSwitch;
 }
 
 bool has_files(const io::TomlValue& document) {

@@ -28,7 +28,9 @@ Task task_of(const io::TomlValue& document);
 
 /// Whether the value of a key is a path, or a list of paths, of files that the task is made of.
 bool names_files(std::string_view path);
-/// Whether a SPEC states such a key.
+/// Whether a key takes true, false or a number, as most of [limits] do.
+bool is_number_or_switch(std::string_view path);
+/// Whether a SPEC states a key of files.
 bool has_files(const io::TomlValue& document);
 
 /// optimal: it has a design.  no_feasible_design: every tooth set is refused, see the reasons.

@@ -120,6 +120,43 @@ TEST(SweepBest, ConditionsAreKeysAndResultsAreColumns) {
   EXPECT_EQ(std::ranges::count(rows.names, "ratio.target"), 1);
 }
 
+TEST(SweepBest, SwitchesOfALimitAreNoNumbers) {
+  const Workplace place;
+  place.write("sweep.toml", test::kSmallTask +
+                                "planets = 4\nratio.target = 40.0\n[vary]\n"
+                                "limits.tip_thickness = [true, 1.0, false, 0.0]\n");
+  const sweep::Sweep sweep = sweep::read_sweep(place.file("sweep.toml").string());
+  const std::string path = place.file("db").string();
+  sweep::Store store(sweep::open_sweep_database(path, Database::Access::kCreate));
+  const std::int64_t run = store.begin(
+      {.uid = "run", .workers = 1, .shard = {}, .started_s = 0.0, .host = "here"}, sweep);
+  sweep::Planned planned;
+  store.plan(run, sweep, {}, 0, planned);
+  store.end_plan();
+  for (int k = 0; k < 4; ++k) {
+    store.finish(store.claim(run, sweep::this_process(), 0.0)->id, test::made_result(0.5), {});
+  }
+  const auto limits = [&] {
+    std::vector<sweep::SqlValue> values;
+    for (const auto& row : sweep::best_of(store.database(), {.by = {"tip_thickness"}}).rows) {
+      values.push_back(row.front());
+    }
+    return values;
+  };
+  // true is the default, 0.25 modules.
+  EXPECT_EQ(limits(), (std::vector<sweep::SqlValue>{0.0, 0.25, 1.0, "false"}));
+
+  // As programs of before had them: true as 1, false as 0.
+  store.database().execute(
+      "UPDATE task_key SET value = CASE value WHEN 'false' THEN 0 ELSE 1 END WHERE value IN "
+      "('false', 0.25) AND key = (SELECT id FROM key WHERE path = 'limits.tip_thickness')");
+  EXPECT_EQ(limits(), (std::vector<sweep::SqlValue>{0.0, 1.0, "false", "true"}));
+  const sweep::Rows view =
+      answer_to(store.database(), "SELECT \"limits.tip_thickness\" FROM result ORDER BY 1");
+  ASSERT_EQ(view.rows.size(), 4U);
+  EXPECT_EQ(view.rows[3], (std::vector<sweep::SqlValue>{"true"}));
+}
+
 TEST(SweepBest, OfSizesThatDifferByRoundingTheGreaterObjectiveIsBestAndOtherKeysAreTold) {
   const Workplace place;
   const test::QueuedTasks tasks(place, "db", 3);

@@ -50,6 +50,21 @@ TEST(Task, DefaultsStatedBesideAPresetCountAsTheyOverrideIt) {
   EXPECT_NE(task_of(bare).key, task_of(bare + "limits.planet_gap = 0.5\n").key);
 }
 
+TEST(Task, ALimitSwitchedOnIsItsDefaultAndOneSwitchedOffIsNoNumber) {
+  const std::string bare = "ratio.target = 96.2\n";
+  const auto key_of = [&](const std::string& limit) {
+    return task_of(bare + "limits.tip_thickness = " + limit + "\n").key;
+  };
+  EXPECT_EQ(key_of("true"), task_of(bare).key);
+  EXPECT_EQ(key_of("0.25"), task_of(bare).key);
+  EXPECT_NE(key_of("1.0"), task_of(bare).key);
+  EXPECT_NE(key_of("false"), key_of("0.0"));
+  // A preset has limits of its own, which `true` leaves and a number replaces.
+  const std::string preset = "preset = \"machined\"\n" + bare;
+  EXPECT_NE(task_of(preset + "limits.tip_thickness = true\n").key,
+            task_of(preset + "limits.tip_thickness = 0.25\n").key);
+}
+
 TEST(Task, ItsTextIsASpecOfTheSameMeaning) {
   for (const char* file : {"rp96.toml", "ratio-96.toml", "ratio-96-pom.toml", "jobs/wrist_150.toml",
                            "jobs/printed_30.toml", "ratio-96-robust.toml"}) {

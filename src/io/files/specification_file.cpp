@@ -492,6 +492,12 @@ const std::vector<std::string>& usual_texts() {
   return texts;
 }
 
+/// A limit that is its default, where it has one, whatever that is.
+bool switches_on(const KeyRecord& record, const TomlValue& value) {
+  return record.type == KeyType::kNumberOrSwitch && value.kind == TomlValue::Kind::kBoolean &&
+         value.boolean;
+}
+
 }  // namespace
 
 optimize::Specification read_specification(const std::string& path, double most_sets) {
@@ -524,8 +530,12 @@ std::vector<StatedKey> stated_keys(const TomlValue& document) {
     if (key.record.path == "name") continue;
     TomlValue value = as_stated(key, f.gear, *f.value);
     const std::string path = path_of(key.record, schema.gears(), f.gear);
+    const std::string& usual_text = usual_texts()[f.key];
+    if (!preset && switches_on(key.record, value) && !usual_text.empty()) {
+      value = as_stated(key, f.gear, parse_toml("x = " + usual_text, "").table.front());
+    }
     const bool usual =
-        !preset && !path.starts_with("tolerances.") && toml_text(value) == usual_texts()[f.key];
+        !preset && !path.starts_with("tolerances.") && toml_text(value) == usual_text;
     keys.push_back(
         {.key = {.path = path, .gear = f.gear, .value = std::move(value)}, .usual = usual});
   }

@@ -344,7 +344,9 @@ void FileReading::error_at(const std::string& path, const std::string& message) 
 }
 
 std::string FileReading::place_of(const std::string& path) const {
-  const Position position = position_of(path);
+  return place_of(position_of(path));
+}
+std::string FileReading::place_of(Position position) const {
   return fmt::format("{}:{}:{}", file_, position.line, position.column);
 }
 

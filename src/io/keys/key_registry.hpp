@@ -160,6 +160,7 @@ class FileReading {
   }
   /// "file:line:column" of a key, of its table or of the file where the key is absent.
   [[nodiscard]] std::string place_of(const std::string& path) const;
+  [[nodiscard]] std::string place_of(Position position) const;
   /// Whether a key is in the file, with whatever value.
   [[nodiscard]] bool stated(const std::string& path) const;
   /// Whether a key is in the file with a value of its type and range.
