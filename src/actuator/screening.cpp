@@ -46,7 +46,7 @@ Actuator actuator_of(const SelectionTask& task, const Pair& pair) {
              .load_inertia_kgm2 = task.load_inertia_kgm2,
              .felt = task.felt,
              .train = nullptr};
-  a.motor.heat.ambient_K = task.ambient_K;
+  a.motor.heat.ambient_K = ambient_of(task, pair.motor);
   return a;
 }
 

@@ -20,9 +20,9 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Empty without a limit of it.
+/// Empty where nothing of it is asked for.
 std::optional<Felt> felt_of(const Actuator& a) {
-  if (!limits_felt(a.felt)) return std::nullopt;
+  if (!limits_felt(a.felt) && !a.felt.transparency_torque_Nm) return std::nullopt;
   const Reflected r = reflected(a);
   Felt felt{.inertia_kgm2 = r.speeding_up_kgm2.value_or(kUnbounded),
             .breakaway_Nm = r.breakaway_Nm.value_or(kUnbounded)};
@@ -181,19 +181,24 @@ void judge(const SelectionTask& task, const PairResult& values, double friction_
     hold(PairLimit::kTransparency, values.felt->transparency.value_or(0.0),
          task.felt.max_transparency);
   }
+  const double ambient_K = ambient_of(task, values.pair.motor);
   const auto state = winding_state(
       motor.motor, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
                     .friction_W = friction_W,
-                    .ambient_K = task.ambient_K});
+                    .ambient_K = ambient_K});
   judged.winding_K = state ? state->winding_K : std::nullopt;
   for (const auto& most : {task.max_winding_K, motor.motor.heat.max_winding_K}) {
     if (!state || !most) continue;
     // No motor is cooler than what is around it.
-    const double room_K = *most - task.ambient_K;
+    const double room_K = *most - ambient_K;
     const bool kept = !state->runaway && room_K > 0.0;
-    hold(PairLimit::kWinding, kept ? *state->winding_K - task.ambient_K : kUnbounded,
+    hold(PairLimit::kWinding, kept ? *state->winding_K - ambient_K : kUnbounded,
          kept ? room_K : 1.0);
   }
+}
+
+double ambient_of(const SelectionTask& task, std::size_t motor) {
+  return task.motors[motor].ambient_K.value_or(task.ambient_K);
 }
 
 std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair) {
@@ -213,6 +218,9 @@ std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair) {
   // Without any friction none of its parts is known: said once.
   add(motor.coulomb_known || !motor.friction_known, Unknown::kMotorCoulomb);
   add(gearbox.gearbox.static_Nm > 0.0, Unknown::kGearboxDrag);
+  add(motor.inertia_known, Unknown::kRotorInertia);
+  add(gearbox.inertia_known, Unknown::kGearboxInertia);
+  add(task.drive.bus_voltage_V || motor.nominal_voltage_V, Unknown::kVoltage);
   return unknown;
 }
 

@@ -48,13 +48,17 @@ struct CatalogueMotor {
   std::optional<double> nominal_current_A, nominal_voltage_V;
   bool friction_known = true;  ///< else it runs without any
   bool coulomb_known = true;   ///< else all of its friction is viscous
+  bool inertia_known = true;   ///< else its rotor has none
+  /// Of its surroundings, in place of the task's.
+  std::optional<double> ambient_K{};
 };
 struct CatalogueGearbox {
   std::string name;
   Gearbox gearbox;
   std::optional<double> continuous_Nm, intermittent_Nm;
-  int planets = 0;     ///< 0 = not known
-  std::string file{};  ///< that it is of
+  bool inertia_known = true;  ///< else it has none
+  int planets = 0;            ///< 0 = not known
+  std::string file{};         ///< that it is of
 };
 
 struct SelectionTask {
@@ -79,12 +83,15 @@ enum class Unknown {
   kGearboxTorque,   ///< no continuous or no intermittent torque
   kWinding,         ///< no temperature, and no limit of it
   kMass,
-  kMotorCoulomb,  ///< all friction of the motor is viscous: none of it holds at rest
-  kGearboxDrag    ///< breakaway is without it
+  kMotorCoulomb,    ///< all friction of the motor is viscous: none of it holds at rest
+  kGearboxDrag,     ///< breakaway is without it
+  kRotorInertia,    ///< the rotor runs without
+  kGearboxInertia,  ///< the gearbox runs without
+  kVoltage          ///< no limit of it
 };
-inline constexpr std::array<std::string_view, 7> kUnknownNames{
-    "motor_friction", "nominal_current", "gearbox_torque", "winding",
-    "mass",           "motor_coulomb",   "gearbox_drag"};
+inline constexpr std::array<std::string_view, 10> kUnknownNames{
+    "motor_friction", "nominal_current", "gearbox_torque", "winding",         "mass",
+    "motor_coulomb",  "gearbox_drag",    "rotor_inertia",  "gearbox_inertia", "voltage"};
 
 /// What FeltLimits limit; infinite where the output cannot be moved so.
 struct Felt {
@@ -154,6 +161,9 @@ PairResult run_actuator(const SelectionTask& task, const Pair& pair, const Actua
 /// @param friction_W  of the motor, mean
 void judge(const SelectionTask& task, const PairResult& values, double friction_W,
            PairResult& judged);
+
+/// Temperature around a motor of the task [K].
+double ambient_of(const SelectionTask& task, std::size_t motor);
 
 /// What no catalogue tells of a pair.
 std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair);

@@ -48,7 +48,7 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
     auto unknown = actuator::unknown_of(task, {.motor = r.pair.motor, .gearbox = 0});
     std::erase_if(unknown, [](actuator::Unknown what) {
       return what == actuator::Unknown::kGearboxTorque || what == actuator::Unknown::kMass ||
-             what == actuator::Unknown::kGearboxDrag;
+             what == actuator::Unknown::kGearboxDrag || what == actuator::Unknown::kGearboxInertia;
     });
     report.motors.push_back(
         {.result = r, .name = task.motors[r.pair.motor].name, .unknown = std::move(unknown)});
@@ -72,7 +72,7 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
                     .felt = task.felt,
                     .train = train};
   actuator::MotorHeat& heat = found.actuator.motor.heat;
-  heat.ambient_K = task.ambient_K;
+  heat.ambient_K = actuator::ambient_of(task, chosen);
   if ((heat.winding_housing_K_W || heat.winding_ambient_K_W) && task.max_winding_K) {
     heat.max_winding_K =
         std::min(*task.max_winding_K, heat.max_winding_K.value_or(*task.max_winding_K));

@@ -163,6 +163,7 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::Specificati
   design::Design design = with_judging_model(task, stated);
   design::Evaluation evaluation = evaluate(design, task.source);
   evaluation.notes.insert(evaluation.notes.end(), task.model_notes.begin(), task.model_notes.end());
+  evaluation.notes.insert(evaluation.notes.end(), task.spec.notes.begin(), task.spec.notes.end());
   note_objectives(task, set, evaluation.notes);
   std::optional<design::TorqueAngleCurve> curve = torque_angle(design, evaluation);
   return {.stated = std::move(stated),

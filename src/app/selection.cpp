@@ -32,7 +32,8 @@ MadeGearboxes make_gearboxes(io::SelectionFiles& files, optimize::Progress& prog
       g.gearbox.ratio = train::ratio(set.candidate.teeth);
       g.gearbox.efficiency_forward = set.eta_f;
       g.gearbox.efficiency_backward = set.eta_b;
-      if (optimize::knows_masses(spec)) {
+      g.inertia_known = optimize::knows_masses(spec);
+      if (g.inertia_known) {
         g.gearbox.output_inertia_kgm2 = set.inertia_kgm2;
         g.gearbox.mass_kg = set.mass_kg;
       }

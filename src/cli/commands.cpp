@@ -278,6 +278,7 @@ ExitCode run_search(const SearchOptions& options) {
   std::vector<std::string> inputs = io::named_files(spec);
   inputs.push_back(options.file);
   refuse_replacing(inputs, options.out);
+  warn(spec.notes, options.quiet);
   use_threads(options);
   app::ToothSets found = [&] {
     optimize::Progress progress;

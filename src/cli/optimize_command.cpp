@@ -449,6 +449,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
         options.front_budget_s, options.file));
   }
   refuse_earlier_result(folder, input.fingerprint, options);
+  warn(task.spec.notes, options.quiet);
   warn(task.model_notes, options.quiet);
   folder.open();
   if (!task.unreachable.empty()) {

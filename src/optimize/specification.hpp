@@ -103,6 +103,7 @@ struct RoundSteps {
 
 struct Specification {
   std::string name;
+  std::vector<std::string> notes{};  ///< what its file states and nothing of the task reads
   std::vector<int> planets{3};
   double pressure_angle_rad = 0.0;
   /// Not empty; the first decides, several ask for their Pareto front.

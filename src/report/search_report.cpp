@@ -490,6 +490,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   if (held != nullptr) json.update(held_back_json(spec, *held));
   if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
   if (felt != nullptr && !felt->empty()) json["felt"] = limit_checks_json(*felt);
+  json["notes"] = spec.notes;
   json["rounded"] = nullptr;
   const std::string unread = unread_steps_text(spec);
   json["rounded_missing"] =

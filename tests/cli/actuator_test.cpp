@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -211,9 +212,74 @@ TEST(Selection, WritesEveryPairAndTheFront) {
     EXPECT_TRUE(pair.at("excess").is_null()) << pair;
   }
   // No friction and no thermal resistance stands in the catalogue.
-  EXPECT_EQ(summary.at("front").at(0).at("unknown"),
-            json({"motor_friction", "winding", "gearbox_drag"}));
+  EXPECT_EQ(
+      summary.at("front").at(0).at("unknown"),
+      json({"motor_friction", "winding", "gearbox_drag", "rotor_inertia", "gearbox_inertia"}));
   EXPECT_TRUE(contains(result.out, "no friction is published")) << result.out;
+}
+
+TEST(Selection, NamesTheCellsThatAPairIsWithout) {
+  const Workplace place;
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  const auto unknown = [&](const std::string& motor, const std::string& gearbox,
+                           const std::string& more) {
+    place.write("motors.csv",
+                "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,"
+                "rotor_inertia_kgm2,nominal_voltage_v\nA,one,1.0,0.02," +
+                    motor + "\n");
+    place.write("gearboxes.csv",
+                "manufacturer,order_code,ratio,efficiency,input_inertia_kgm2\nB,one,20,0.8," +
+                    gearbox + "\n");
+    place.write("s.toml",
+                "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n"
+                "objective = \"inertia\"\n" +
+                    more);
+    const ProgramResult run =
+        place.run({"actuator", "--select", "s.toml", "--out", "out", "--format", "json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out).at("front").at(0).at("unknown").dump();
+  };
+  const std::string all = unknown("1e-6,24", "1e-7", "");
+  const std::string none = unknown(",", "", "");
+  for (const char* name : {"rotor_inertia", "gearbox_inertia", "voltage"}) {
+    EXPECT_FALSE(contains(all, name)) << all;
+    EXPECT_TRUE(contains(none, name)) << none;
+  }
+  // A stated inertia of 0 is known, and the drive's voltage limits every motor.
+  EXPECT_FALSE(contains(unknown("0,", "0", "[drive]\nbus_voltage_v = 24\n"), "voltage"));
+  EXPECT_FALSE(contains(unknown("0,", "0", ""), "inertia"));
+}
+
+TEST(Selection, TellsTheTransparencyThatNothingLimits) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n"
+              "[limits]\ntransparency_torque_nm = 3\n");
+  const ProgramResult run =
+      place.run({"actuator", "--select", "s.toml", "--out", "out", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const json& pair : json::parse(run.out).at("front")) {
+    // Without drag and friction: width over mean of 1/eta and eta, as of 3 N m so of any torque.
+    const double eta = pair.at("ratio") == 20.0 ? 0.8 : 0.7;
+    EXPECT_NEAR(pair.at("felt").at("transparency").get<double>(),
+                2.0 * (1.0 / eta - eta) / (1.0 / eta + eta), 1e-12);
+  }
+}
+
+TEST(Selection, WithoutMotorsIsRefusedWithItsLineAndKeepsEarlierFiles) {
+  const Workplace place;
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml", "motors = \"\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n");
+  std::filesystem::create_directories(place.file("out"));
+  place.write("out/pareto.svg", "old");
+  const ProgramResult run = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_TRUE(run.err.starts_with("s.toml:1:1: motors = \"\": allowed:")) << run.err;
+  EXPECT_EQ(place.read("out/pareto.svg"), "old");
 }
 
 TEST(Selection, HoldsTheLimitsOfWhatIsFelt) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include "tests/cli/run_program.hpp"
 
@@ -54,7 +55,13 @@ TEST(OptimizeCycleEnergy, LimitThatLeavesNoMotorIsToldWithItsLine) {
   place.write("motors.csv",
               "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,"
               "rotor_inertia_kgm2\nA,small,1.2,0.02,1e-6\n");
+  EXPECT_NE(mass.find("limits leave no motor: actuator.limits.max_motor_mass_kg = 0.05: "),
+            std::string::npos)
+      << mass;
   const std::string friction = error_of("limits.known_friction = true\n");
+  EXPECT_NE(friction.find("limits leave no motor: actuator.limits.known_friction = true: "),
+            std::string::npos)
+      << friction;
   EXPECT_TRUE(friction.starts_with("spec.toml:24:8: ")) << friction;
 }
 
@@ -150,6 +157,89 @@ TEST(OptimizeCycleEnergy, HoldsAWindingToTheLowerLimitAndToNoneBelowItsSurroundi
                          "actuator.limits.ambient_c = 120"),
             std::string::npos)
       << hot.err;
+}
+
+TEST(OptimizeCycleEnergy, MotorOfAnActuatorHasItsOwnSurroundingsAndVoltage) {
+  const Workplace place;
+  write_parts(place);
+  const auto run = [&](const std::string& motor, const std::string& more = "") {
+    place.write("m.toml",
+                "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+                "rotor_inertia_kgm2 = 2e-5\nthermal_resistance_k_per_w = 1.0\n"
+                "max_winding_c = 110.0\n" +
+                    motor +
+                    "[gearbox]\nratio = 45.0\nefficiency_forward = 0.9\n"
+                    "efficiency_backward = 0.9\n");
+    place.write("spec.toml", "objective = \"cycle_energy\"\n" + kGears +
+                                 "[actuator]\nmotor = \"m.toml\"\n" + more +
+                                 "[cycle]\nfiles = \"c.csv\"\n");
+    return place.run({"optimize", "spec.toml", "--certify", "--force", "--out", "out"});
+  };
+  const ProgramResult warm =
+      run("ambient_c = 60.0\n[drive]\nbus_voltage_v = 24.0\nefficiency_motoring = 0.9\n"
+          "[load]\ninertia_kgm2 = 0.003\n");
+  ASSERT_EQ(warm.exit_code, 0) << warm.err;
+  const json summary = json::parse(place.read("out/summary.json"));
+  const json co = summary.at("co_design");
+  const ProgramResult alone =
+      place.run({"actuator", "out/actuator.toml", "--cycle", "c.csv", "--format", "json"});
+  const json cycle = json::parse(alone.out).at("cycle");
+  EXPECT_GT(co.at("winding_c").get<double>(), 60.0);
+  EXPECT_NEAR(cycle.at("winding_c").get<double>(), co.at("winding_c").get<double>(), 1e-6);
+  const std::string actuator = place.read("out/actuator.toml");
+  EXPECT_NE(actuator.find("ambient_c = 60.0\n"), std::string::npos) << actuator;
+  EXPECT_NE(actuator.find("bus_voltage_v = 24.0\n"), std::string::npos) << actuator;
+  EXPECT_EQ(co.at("unknown"), json({"motor_friction", "nominal_current"}));
+  // What of the file is not the motor's is not read, and named.
+  const std::string unread =
+      "m.toml alone, whose drive.efficiency_motoring, load.inertia_kgm2 are not read";
+  EXPECT_NE(warm.err.find(unread), std::string::npos) << warm.err;
+  EXPECT_NE(summary.at("notes").dump().find(unread), std::string::npos) << summary.at("notes");
+
+  const ProgramResult stated = run("ambient_c = 60.0\n", "limits.ambient_c = 30.0\n");
+  ASSERT_EQ(stated.exit_code, 0) << stated.err;
+  EXPECT_NE(place.read("out/actuator.toml").find("ambient_c = 30.0\n"), std::string::npos);
+  for (const auto& [motor, more, code, message] :
+       {std::tuple("ambient_c = 120.0\n", "", 2,
+                   "m.toml: motor.max_winding_c = 110: allowed: above motor.ambient_c of m.toml = "
+                   "120"),
+        std::tuple("ambient_c = 90.0\n", "limits.max_winding_c = 80.0\n", 2,
+                   "actuator.limits.max_winding_c = 80: allowed: above motor.ambient_c of m.toml = "
+                   "90"),
+        std::tuple("[drive]\nbus_voltage_v = 0.5\n", "", 3, "exceeds voltage by"),
+        std::tuple("", "limits.known_friction = true\n", 2, "limits leave no motor")}) {
+    const ProgramResult refused = run(motor, more);
+    EXPECT_EQ(refused.exit_code, code) << refused.err;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  }
+}
+
+TEST(OptimizeFelt, OtherObjectivesNameWhatTheyDoNotReadAndRefuseLimitsOfMotors) {
+  const Workplace place;
+  const auto run = [&](const std::string& keys) {
+    place.write("spec.toml", "objective = \"outer_diameter\"\n" + kGears + keys);
+    return place.run({"optimize", "spec.toml", "--force", "--out", "out"});
+  };
+  const ProgramResult noted =
+      run("[actuator]\nmotors = \"none.csv\"\ndrive.standby_w = 1\n[cycle]\nfiles = \"no.csv\"\n"
+          "[pareto]\npoints = 5\n");
+  ASSERT_EQ(noted.exit_code, 0) << noted.err;
+  const json notes = json::parse(place.read("out/summary.json")).at("notes");
+  ASSERT_EQ(notes.size(), 2U) << notes;
+  for (const char* key : {"actuator.motors", "actuator.drive.standby_w", "cycle.files"}) {
+    EXPECT_NE(notes.at(0).get<std::string>().find(key), std::string::npos) << notes;
+    EXPECT_NE(noted.err.find(key), std::string::npos) << noted.err;
+  }
+  EXPECT_NE(notes.at(1).get<std::string>().find("pareto.points"), std::string::npos) << notes;
+  for (const char* limit : {"drive.bus_voltage_v", "limits.peak_current_factor",
+                            "limits.max_winding_c", "limits.max_motor_mass_kg"}) {
+    const ProgramResult refused = run(std::string("[actuator]\n") + limit + " = 30\n");
+    EXPECT_EQ(refused.exit_code, 2) << limit;
+    EXPECT_TRUE(refused.err.starts_with("spec.toml:22:")) << refused.err;
+    EXPECT_NE(refused.err.find(std::string(": actuator.") + limit + " limits a motor"),
+              std::string::npos)
+        << refused.err;
+  }
 }
 
 TEST(OptimizeCycleEnergy, WithoutAMotorWithinItsLimitsEndsWith3AndNamesTheNearest) {

@@ -65,6 +65,12 @@ TEST(Task, ALimitSwitchedOnIsItsDefaultAndOneSwitchedOffIsNoNumber) {
             task_of(preset + "limits.tip_thickness = 0.25\n").key);
 }
 
+TEST(Task, SurroundingsOfAMotorThatAreStatedAreNoDefault) {
+  // Without the key an ACTUATOR's motor has its own.
+  const std::string bare = "ratio.target = 96.2\n";
+  EXPECT_NE(task_of(bare + "actuator.limits.ambient_c = 25.0\n").key, task_of(bare).key);
+}
+
 TEST(Task, ItsTextIsASpecOfTheSameMeaning) {
   for (const char* file : {"rp96.toml", "ratio-96.toml", "ratio-96-pom.toml", "jobs/wrist_150.toml",
                            "jobs/printed_30.toml", "ratio-96-robust.toml"}) {

@@ -92,7 +92,11 @@ ActuatorFiles actuator_from(const TomlValue& document, const std::string& name) 
   }
   errors.raise();
   if (input.backlash_rad) result.gearbox.backlash_rad = input.backlash_rad;
-  return {.actuator = std::move(result), .inputs = std::move(inputs)};
+  std::vector<std::string> stated;
+  for (const KeyRecord* record : actuator_schema().records()) {
+    if (reading.stated(record->path)) stated.push_back(record->path);
+  }
+  return {.actuator = std::move(result), .inputs = std::move(inputs), .stated = std::move(stated)};
 }
 
 }  // namespace

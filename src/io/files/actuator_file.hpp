@@ -12,6 +12,7 @@ namespace gear3k::io {
 struct ActuatorFiles {
   actuator::Actuator actuator;
   std::vector<std::string> inputs;
+  std::vector<std::string> stated;  ///< paths of the keys that the file states
 };
 
 /// Reads an ACTUATOR file, and the DESIGN file that it names (seen from its own folder).

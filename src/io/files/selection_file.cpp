@@ -147,7 +147,9 @@ std::vector<actuator::CatalogueGearbox> refined_gearboxes(const CsvTable& table,
     g.gearbox.ratio = rows.required(row, "ratio", kAny, true);
     g.gearbox.efficiency_forward = rows.required(row, "eta_f", 0.0, true, 1.0);
     g.gearbox.efficiency_backward = rows.required(row, "eta_b", kAny, true, 1.0);
-    g.gearbox.output_inertia_kgm2 = rows.number(row, "inertia_kgm2", 0.0, false).value_or(0.0);
+    const auto inertia_kgm2 = rows.number(row, "inertia_kgm2", 0.0, false);
+    g.inertia_known = inertia_kgm2.has_value();
+    g.gearbox.output_inertia_kgm2 = inertia_kgm2.value_or(0.0);
     g.gearbox.mass_kg = rows.number(row, "mass_kg", 0.0, false);
     g.continuous_Nm = rows.number(row, "torque_capacity_nm", 0.0, true);
     g.intermittent_Nm = g.continuous_Nm;
@@ -189,6 +191,7 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
   g.gearbox.ratio = train::ratio(design.train.teeth);
   g.gearbox.efficiency_forward = *evaluation->efficiency.forward;
   g.gearbox.efficiency_backward = *evaluation->efficiency.backward;
+  g.inertia_known = evaluation->inertia.has_value();
   if (evaluation->inertia) g.gearbox.output_inertia_kgm2 = evaluation->inertia->lossless_kgm2;
   g.gearbox.mass_kg = evaluation->total_mass_kg;
   if (evaluation->strength) {
@@ -276,7 +279,9 @@ std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
     m.name = rows.label(row);
     m.motor.resistance_ohm = rows.required(row, "resistance_ohm", 0.0, true);
     m.motor.torque_constant_Nm_A = rows.required(row, "torque_constant_nm_per_a", 0.0, true);
-    m.motor.rotor_inertia_kgm2 = rows.number(row, "rotor_inertia_kgm2", 0.0, false).value_or(0.0);
+    const auto rotor_kgm2 = rows.number(row, "rotor_inertia_kgm2", 0.0, false);
+    m.inertia_known = rotor_kgm2.has_value();
+    m.motor.rotor_inertia_kgm2 = rotor_kgm2.value_or(0.0);
     m.motor.mass_kg = rows.number(row, "mass_kg", 0.0, false);
     const auto winding = rows.number(row, "thermal_resistance_winding_housing_k_per_w", 0.0, true);
     const auto housing = rows.number(row, "thermal_resistance_housing_ambient_k_per_w", 0.0, true);
@@ -314,7 +319,9 @@ std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
     g.gearbox.efficiency_forward = rows.required(row, "efficiency", 0.0, true, 1.0);
     g.gearbox.efficiency_backward =
         std::min(1.0, backward_over_forward * g.gearbox.efficiency_forward);
-    g.gearbox.input_inertia_kgm2 = rows.number(row, "input_inertia_kgm2", 0.0, false).value_or(0.0);
+    const auto inertia_kgm2 = rows.number(row, "input_inertia_kgm2", 0.0, false);
+    g.inertia_known = inertia_kgm2.has_value();
+    g.gearbox.input_inertia_kgm2 = inertia_kgm2.value_or(0.0);
     g.gearbox.mass_kg = rows.number(row, "mass_kg", 0.0, false);
     g.continuous_Nm = rows.number(row, "continuous_torque_nm", 0.0, true);
     g.intermittent_Nm = rows.number(row, "intermittent_torque_nm", 0.0, true);

@@ -400,7 +400,7 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
     errors.attempt([&] {
       const CoDesignInput& in = input.co_design;
       if (!in.selection.cycles.empty() && (!in.motor.empty() || !in.selection.motors.empty())) {
-        const auto co_design = read_co_design(in, name, reading);
+        const auto co_design = read_co_design(in, name, reading, spec.notes);
         const auto& motors = co_design->task().motors;
         if (limits_felt(in) && motors.size() == 1) {
           spec.felt = felt_of(in, motors.front().motor, co_design->sources());
@@ -410,9 +410,29 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
     });
   }
   if (felt && !input.co_design.motor.empty()) {
-    errors.attempt([&] { spec.felt = read_felt(input.co_design, name, reading); });
+    errors.attempt([&] { spec.felt = read_felt(input.co_design, name, reading, spec.notes); });
   }
   errors.raise();
+}
+
+/// Names what is stated and, with what else is stated, read by nothing.
+void note_unread(const SpecificationInput& input, const FileReading& reading,
+                 std::vector<std::string>& notes) {
+  const optimize::Specification& spec = input.spec;
+  if (!spec.cycle_energy) {
+    const std::vector<std::string> unread = unread_co_design(input.co_design, reading);
+    if (!unread.empty()) {
+      notes.push_back(fmt::format("not read, as the objective is not \"cycle_energy\"{}: {}",
+                                  spec.felt ? "" : " and no limit of what is felt is stated",
+                                  fmt::join(unread, ", ")));
+    }
+  }
+  if (spec.free.pressure_angle_rad && reading.stated("pressure_angle_deg")) {
+    notes.emplace_back("pressure_angle_deg is not read: free.pressure_angle_deg has the range");
+  }
+  if (spec.objectives.size() == 1 && reading.stated("pareto.points")) {
+    notes.emplace_back("pareto.points is not read: one objective has no Pareto front");
+  }
 }
 
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
@@ -445,6 +465,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   take_co_design(input, name, reading);
   check_size(input.spec, most_sets, reading);
   reading.throw_if_invalid();
+  note_unread(input, reading, input.spec.notes);
   if (reading.has("operating_point.sun_speed_rpm")) {
     input.spec.operating_point = input.losses.operating_point;
   }

@@ -22,6 +22,9 @@ std::vector<Key<SelectionInput>> selection_part() {
     if (std::ranges::any_of(kTaken,
                             [&](std::string_view start) { return path.starts_with(start); })) {
       keys.push_back(key);
+      if (path == "limits.ambient_c") {
+        keys.back().record.default_text = "25, of actuator.motor its own";
+      }
     } else if (path == "cycles" || path == "weights") {
       keys.push_back(key);
       keys.back().record.path = path == "cycles" ? "cycle.files" : "cycle.weights";
@@ -43,7 +46,8 @@ std::vector<Key<CoDesignInput>> co_design_keys() {
        .type = KeyType::kText,
        .default_text = "none",
        .help = "ACTUATOR.toml of whose motor the cycle's energy is to be least, with its greatest "
-               "current, speed and winding temperature; with motors one more of them"},
+               "current, speed and winding temperature, its surroundings, and drive.bus_voltage_v "
+               "as nominal voltage; with motors one more of them"},
       &CoDesignInput::motor,
       [](const CoDesignInput& in, std::size_t) { return !in.motor.empty(); }));
   keys.push_back(make_key<CoDesignInput>(
@@ -74,7 +78,40 @@ bool limits_felt(const CoDesignInput& in) {
   return f.max_inertia_kgm2 || f.max_breakaway_Nm || f.max_transparency;
 }
 
+namespace {
+
+/// Limits of motors, which hold only where one is chosen.
+constexpr std::array<std::string_view, 4> kMotorLimits{
+    "actuator.drive.bus_voltage_v", "actuator.limits.peak_current_factor",
+    "actuator.limits.max_winding_c", "actuator.limits.max_motor_mass_kg"};
+
+void refuse_motor_limits(FileReading& reading) {
+  for (const std::string_view key : kMotorLimits) {
+    if (!reading.stated(std::string(key))) continue;
+    reading.error_at(std::string(key),
+                     fmt::format("{} limits a motor, which no other objective than "
+                                 "\"cycle_energy\" chooses: allowed: with that objective",
+                                 key));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> unread_co_design(const CoDesignInput& in, const FileReading& reading) {
+  std::vector<std::string> unread;
+  if (!reading.stated("actuator") && !reading.stated("cycle")) return unread;
+  for (const Key<CoDesignInput>& key : co_design_keys()) {
+    const std::string& path = key.record.path;
+    const bool of_felt = path == "actuator.motor" || path.starts_with("actuator.load.") ||
+                         path == "actuator.limits.transparency_torque_nm" ||
+                         path.starts_with("actuator.limits.max_");
+    if (reading.stated(path) && !(of_felt && limits_felt(in))) unread.push_back(path);
+  }
+  return unread;
+}
+
 void check_co_design(const CoDesignInput& in, bool wanted, FileReading& reading) {
+  if (!wanted) refuse_motor_limits(reading);
   if (!wanted && limits_felt(in)) {
     if (in.motor.empty()) {
       reading.error_at("actuator.limits",

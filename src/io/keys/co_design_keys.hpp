@@ -31,5 +31,8 @@ bool limits_felt(const CoDesignInput& input);
 /// What the keys say together, and with the objective.
 /// @param wanted  whether the objective asks for them
 void check_co_design(const CoDesignInput& input, bool wanted, FileReading& reading);
+/// Keys of these tables that are stated and that an objective other than cycle_energy does not
+/// read.
+std::vector<std::string> unread_co_design(const CoDesignInput& input, const FileReading& reading);
 
 }  // namespace gear3k::io

@@ -106,6 +106,9 @@ const Schema<SelectionInput>& selection_schema() {
 void check_selection(const SelectionInput& input, FileReading& reading) {
   const actuator::SelectionTask& task = input.task;
   check_felt(task.felt, "", reading);
+  if (reading.has("motors") && input.motors.empty()) {
+    reading.error_at("motors", "motors = \"\": allowed: the name of a CSV of motors");
+  }
   for (auto at = task.objectives.begin(); at != task.objectives.end(); ++at) {
     if (std::find(task.objectives.begin(), at, *at) == at) continue;
     reading.error_at("objective",

@@ -103,6 +103,19 @@ TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
   }
 }
 
+TEST(ReadSpecification, WhatNothingReadsIsNoted) {
+  const auto notes = [](const std::string& more) { return parse(more + kMinimal).notes; };
+  EXPECT_TRUE(notes("pressure_angle_deg = 25.0\n").empty());
+  EXPECT_TRUE(notes("free.pressure_angle_deg = [18.0, 24.0]\n").empty());
+  EXPECT_TRUE(notes("objective = [\"lost_motion\", \"ratio_error\"]\npareto.points = 5\n").empty());
+  const auto angle = notes("pressure_angle_deg = 30.0\nfree.pressure_angle_deg = [18.0, 24.0]\n");
+  ASSERT_EQ(angle.size(), 1U);
+  EXPECT_TRUE(angle[0].starts_with("pressure_angle_deg is not read")) << angle[0];
+  const auto points = notes("pareto.points = 5\n");
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_TRUE(points[0].starts_with("pareto.points is not read")) << points[0];
+}
+
 TEST(ReadSpecification, ToothRangesHoldBothEnds) {
   const Specification spec =
       parse(replaced(kMinimal, "R2_max = 121\n",
