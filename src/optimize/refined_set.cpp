@@ -64,9 +64,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
     if (width_m > 0.0) design.masses.face_width_m[stage] = width_m;
   }
   design.masses.bore_radius_m = spec.bodies.bore_radius_m;
-  const bool rims_count = knows_masses(spec) || spec.limits[design::CheckId::kGearboxDiameter] ||
-                          spec.limits[design::CheckId::kWall];
-  if (rims_count && spec.bodies.ring_rim_m > 0.0) {
+  if (spec.bodies.ring_rim_m > 0.0) {
     const auto gears = train::make_train_gears(design.train);
     const auto outer_radius_m = [&](std::size_t ring) {
       return units::meant_si(gears[ring].root_radius_m + spec.bodies.ring_rim_m,

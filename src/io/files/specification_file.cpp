@@ -345,7 +345,7 @@ void finish_rating(SpecificationInput& input, FileReading& reading) {
     uncut.push_back(fmt::format("cutter.{}", train::kGearNames[ring]));
   }
   check_ring_corners(spec.rack, uncut, spec.rating, reading);
-  if (spec.rating && optimize::knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
+  if (spec.rating && spec.bodies.ring_rim_m > 0.0) {
     spec.rating->ring_rim_m = spec.bodies.ring_rim_m;
   }
   for (const int gear : {train::kS, train::kP1, train::kP2}) {

@@ -161,8 +161,8 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
   }
   keys.push_back(make_key<Input>(
       number("size.ring_rim_mm", Unit::kMillimetre, within(0.0, 1000.0), "0",
-             "rim of both rings outside their root circles, for mass, inertia and outer "
-             "diameter"),
+             "rim of both rings outside their root circles, for mass, inertia, outer diameter and "
+             "the rims of [strength]"),
       [](auto& t, std::size_t) -> auto& { return t.spec.bodies.ring_rim_m; }));
   keys.push_back(make_key<Input>(
       number("size.sun_bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",

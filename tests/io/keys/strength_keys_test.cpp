@@ -527,6 +527,21 @@ TEST(StrengthKeys, ASpecTakesThemToo) {
   EXPECT_EQ(task.material[train::kR2].value().record.name, "34CrNiMo6 through hardened");
 }
 
+TEST(StrengthKeys, RimsOfTheRingsStandInADesignWithoutMassesAndLimitsToo) {
+  const auto spec = parse_specification(kSpec + "[size]\nring_rim_mm = 3.0\n", "spec.toml");
+  optimize::RefinedSet set;
+  set.candidate.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118};
+  set.train = {.profile_shift = {0.3, 0.4, 0.9, 0.4, 0.9},
+               .module_m = {1e-3, 0.9e-3},
+               .center_distance_m = 0.0335,
+               .tip_shortening = {},
+               .pressure_angle_rad = spec.pressure_angle_rad};
+  const design::Design made = optimize::design_of(spec, set);
+  // Root radius m (z/2 + x + 1.25) of a ring, and the rim.
+  EXPECT_NEAR(made.masses.ring1_outer_radius_m.value(), 1e-3 * (60.0 + 0.9 + 1.25) + 3e-3, 1e-9);
+  EXPECT_NEAR(made.masses.ring2_outer_radius_m.value(), 0.9e-3 * (59.0 + 0.9 + 1.25) + 3e-3, 1e-9);
+}
+
 TEST(StrengthKeys, TheDesignOfARefinedSetIsReadBackWithItsRating) {
   const auto spec =
       parse_specification(kSpec + kWidths + "[size]\nring_rim_mm = 3.0\n" + kSteel + kLoad +
