@@ -52,6 +52,12 @@ void check_common(const StrengthInput& input, const GearMaterials& materials,
                      "strength.housing_resistance_k_m2_w without strength.housing_surface_mm2: "
                      "allowed: both or neither");
   }
+  if (reading.stated("strength.housing_surface_mm2") &&
+      !reading.stated("strength.housing_resistance_k_m2_w")) {
+    reading.error_at("strength.housing_surface_mm2",
+                     "strength.housing_surface_mm2 without strength.housing_resistance_k_m2_w: "
+                     "allowed: both or neither (0: an open housing)");
+  }
 }
 
 bool states_life(const std::string& gear, const FileReading& reading) {

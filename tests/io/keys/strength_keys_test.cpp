@@ -643,6 +643,8 @@ TEST(StrengthKeys, ThatDoNotFitAreAnErrorEachAtItsPlace) {
       {kSteel + kLoad + "f_beta_um = -1\n", "strength.f_beta_um = -1: allowed: a number in um, 0"},
       {kSteel + kLoad + "housing_resistance_k_m2_w = 0.06\n",
        "strength.housing_resistance_k_m2_w without strength.housing_surface_mm2"},
+      {kSteel + kLoad + "housing_surface_mm2 = 20000\n",
+       "gear.toml:29:1: strength.housing_surface_mm2 without strength.housing_resistance_k_m2_w"},
       {kSteel + kLoad + "torque_nm = 3\n", "unknown key strength.torque_nm"},
       // Materials.
       {kSteel + "sigma_h_lim_mpa = 0\n" + kLoad,
