@@ -53,7 +53,7 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
   auto model = design::clearance_model_of(design);
   const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
   report::RobustRun::Cheapest result{
-      .model = std::move(*model), .tolerances = {}, .built = {}, .turn = {}};
+      .model = std::move(*model), .stated = *spec.tolerances, .tolerances = {}, .built = {}};
   result.tolerances = optimize::cheapest_tolerances(
       result.model, {.yield = spec.robust.yield,
                      .limit_rad = limit.value_or(std::numeric_limits<double>::infinity()),
@@ -73,6 +73,7 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
   spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
                                      std::cos(design.train.pressure_angle_rad));
   design::Design cheap = design;
+  result.chosen = *spec.tolerances;
   cheap.tolerances = spec.tolerances;
   result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);
   result.turn = turn_of_built(cheap, run.fresh_seed);

@@ -43,6 +43,43 @@ std::size_t grid_cut_of(const optimize::RobustResult& search) {
   return sets;
 }
 
+/// A tolerance as files state it.
+struct StatedTolerance {
+  double value = 0.0;
+  const char* unit = "um";
+  bool both_ways = false;  ///< half the distance of two limits
+};
+
+StatedTolerance stated_tolerance(const backlash::ToleranceSource& source,
+                                 const backlash::Tolerances& tolerances) {
+  using enum backlash::ToleranceKind;
+  const auto gear = static_cast<std::size_t>(std::max(source.gear, 0));
+  const backlash::GearTolerances& g = tolerances.gears[gear];
+  const auto limits = [](const backlash::DeviationLimits& l) {
+    return StatedTolerance{.value = clean(um(l.half_width())), .both_ways = true};
+  };
+  const auto width = [](double m) { return StatedTolerance{.value = clean(um(m))}; };
+  switch (source.kind) {
+    case kCenterDistance:
+      return limits(tolerances.center_distance_m);
+    case kToothThickness:
+      return limits(g.tooth_thickness_m);
+    case kPinPosition:
+      return width(tolerances.pin_position_m);
+    case kPlanetPhase:
+      return {.value = clean(arcmin(tolerances.planet_phase_rad.half_width())),
+              .unit = "arcmin",
+              .both_ways = true};
+    case kRunout:
+      return width(g.runout_m);
+    case kCumulativePitch:
+      return width(g.cumulative_pitch_m);
+    case kSinglePitch:
+      break;
+  }
+  return width(g.single_pitch_m);
+}
+
 }  // namespace
 
 std::string robust_table(const Specification& spec, const RobustRun& run) {
@@ -91,11 +128,15 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
       "  best.toml has them; at every position of a turn {:.1f} % assemble, {:.1f} % also keep the "
       "limit\n",
       percent(run.cheapest->turn.assembled.value), percent(run.cheapest->turn.yield.value));
-  TextTable tolerances({"tolerance", "stated um", "cheapest um", "factor"});
+  TextTable tolerances({"tolerance", "stated", "cheapest", "unit", "factor"});
   for (std::size_t i = 0; i < c.factor.size(); ++i) {
     const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
-    tolerances.add({source.name(), fmt::format("+-{:.2f}", um(source.half_width_m)),
-                    fmt::format("+-{:.2f}", um(c.factor[i] * source.half_width_m)),
+    const auto cell = [&](const backlash::Tolerances& of) {
+      const StatedTolerance t = stated_tolerance(source, of);
+      return fmt::format("{}{:.2f}", t.both_ways ? "+-" : "", t.value);
+    };
+    tolerances.add({source.name(), cell(run.cheapest->stated), cell(run.cheapest->chosen),
+                    stated_tolerance(source, run.cheapest->stated).unit,
                     fmt::format("{:.3f}", c.factor[i])});
   }
   return text + tolerances.text(2);
@@ -129,8 +170,14 @@ io::Json robust_json(const Specification& spec, const RobustRun& run) {
     io::Json sources = io::Json::array();
     for (std::size_t i = 0; i < c.factor.size(); ++i) {
       const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
+      const StatedTolerance stated = stated_tolerance(source, run.cheapest->stated);
+      const bool length = source.kind != backlash::ToleranceKind::kPlanetPhase;
       sources.push_back({{"tolerance", source.name()},
-                         {"stated_um", um(source.half_width_m)},
+                         {"unit", stated.unit},
+                         {"stated", stated.value},
+                         {"cheapest", stated_tolerance(source, run.cheapest->chosen).value},
+                         {"stated_um", length ? stated.value : um(source.half_width_m)},
+                         {"half_width_um", um(source.half_width_m)},
                          {"factor", c.factor[i]}});
     }
     json["cheapest"] = {{"reached", c.reached},

@@ -21,6 +21,7 @@ struct RobustRun {
   /// Of robust.tolerances = "cheapest".
   struct Cheapest {
     backlash::ClearanceModel model;
+    backlash::Tolerances stated{}, chosen{};  ///< before and after
     optimize::CheapestTolerances tolerances;
     optimize::BuiltOutcome built;  ///< with these tolerances, the fresh seed
     backlash::TurnYield turn{};    ///< the same over a whole turn

@@ -480,10 +480,33 @@ TEST(OptimizeRobust, CheapestTolerancesAreThoseOfTheFile) {
     for (const json& chosen : cheapest.at("tolerances")) {
       if (chosen.at("tolerance") != name) continue;
       found = true;
-      const double asked = chosen.at("factor").get<double>() * chosen.at("stated_um").get<double>();
+      const double asked =
+          chosen.at("factor").get<double>() * chosen.at("half_width_um").get<double>();
       EXPECT_NEAR(source.at("half_width_um").get<double>(), asked, 1e-9 * asked) << name;
     }
     EXPECT_TRUE(found) << name;
+  }
+  // As the files state them: before in SPEC, after in best.toml.
+  const std::string best = place.read("out/best.toml");
+  for (const auto& [name, key, stated] :
+       {std::tuple("center_distance", "center_distance_um", 5.0),
+        std::tuple("pin_position", "pin_position_um", 8.0),
+        std::tuple("P1 tooth_thickness", "tooth_thickness_um", 4.0),
+        std::tuple("R2 runout", "runout_um", 12.0)}) {
+    const json& list = cheapest.at("tolerances");
+    const auto own =
+        std::ranges::find_if(list, [&](const json& t) { return t.at("tolerance") == name; });
+    ASSERT_NE(own, list.end()) << name;
+    EXPECT_EQ(own->at("unit"), "um");
+    EXPECT_EQ(own->at("stated"), stated) << name;
+    EXPECT_EQ(own->at("stated_um"), stated) << name;
+    const std::string start = std::string("\n") + key + " = ";
+    const auto at = best.find(start);
+    ASSERT_NE(at, std::string::npos) << best;
+    const std::string line = best.substr(at + start.size(), best.find('\n', at + 1) - at);
+    const auto upper = line.find(", ");  // of two limits
+    const double written = std::stod(upper == std::string::npos ? line : line.substr(upper + 2));
+    EXPECT_NEAR(own->at("cheapest").get<double>(), written, 1e-9 * written) << name;
   }
   EXPECT_NEAR(built.at("yield").at("value").get<double>(), cheapest.at("yield").get<double>(),
               5.0 * std::sqrt(0.1 * 0.9 / 20000.0));
