@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace gear3k::io {
 
 using units::Unit;
@@ -21,11 +23,13 @@ std::vector<Key<train::AxialLayout>> axial_keys() {
   using Layout = train::AxialLayout;
   std::vector<Key<Layout>> keys;
   for (std::size_t i = 0; i < train::kBodyCount; ++i) {
-    keys.push_back(make_key<Layout>(
+    KeyRecord record =
         number_range(key_of(static_cast<int>(i)), Unit::kMillimetre, within(-1e4, 1e4), "none",
                      "from and to along the axis; bodies that overlap are checked for "
-                     "a radial gap (limits.body_gap)"),
-        [i](auto& t, std::size_t) -> auto& { return t.extent[i]; }));
+                     "a radial gap (limits.body_gap)");
+    record.ends_differ = true;
+    keys.push_back(make_key<Layout>(
+        std::move(record), [i](auto& t, std::size_t) -> auto& { return t.extent[i]; }));
   }
   keys.push_back(unless_default(make_key<Layout>(
       number("axial.carrier_diameter_mm", Unit::kDiameterMillimetre, above(0.0, 1e4), "none",

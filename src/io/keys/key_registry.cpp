@@ -302,7 +302,8 @@ std::string allowed_text(const KeyRecord& record) {
     case KeyType::kChoices:
       return fmt::format("\"{}\", or a list of these", fmt::join(record.choices, "\" or \""));
     case KeyType::kNumberRange:
-      return with_unit("[low, high], two numbers", record) + ", low <= high";
+      return with_unit("[low, high], two numbers", record) +
+             (record.ends_differ ? ", low < high" : ", low <= high");
     case KeyType::kIntegerRange:
       return with_unit("[low, high], two integers", record) + ", low <= high";
     case KeyType::kIntegers:

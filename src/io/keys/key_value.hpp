@@ -43,6 +43,7 @@ struct KeyRecord {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool min_excluded = false;
+  bool ends_differ = false;  ///< of [low, high]; the file's own checks refuse equal ones
   std::vector<std::string> choices = {};
   bool required = false;
   std::string default_text = {};  ///< as documentation shows it; "" = none

@@ -295,8 +295,26 @@ std::vector<Key<LossInput>> operating_point_keys() {
   for (const LossKey& k : loss_keys()) {
     if (!k.key.record.path.starts_with("operating_point.")) continue;
     keys.push_back(k.key);
+    const bool speed = keys.back().record.path == "operating_point.sun_speed_rpm";
     keys.back().record.help +=
-        "; read with --model, which judges the refined sets there, and by [strength]";
+        fmt::format("; read with --model, which judges the refined sets there{}",
+                    speed ? ", and by [strength]" : "");
+  }
+  return keys;
+}
+
+/// Those of a DESIGN; grades, of which only gears of known modules and teeth have deviations, are
+/// refused (check_robust).
+std::vector<Key<ToleranceInput>> task_tolerance_keys() {
+  std::vector<Key<ToleranceInput>> keys = tolerance_keys();
+  for (Key<ToleranceInput>& key : keys) {
+    KeyRecord& record = key.record;
+    if (record.default_text == "that of accuracy_grade, else 0") record.default_text = "0";
+    if (!record.path.ends_with(".accuracy_grade")) continue;
+    record.default_text = "none: of a DESIGN only";
+    record.help =
+        "refused in a SPEC, whose gears are not known: state runout_um, cumulative_pitch_um and "
+        "single_pitch_um";
   }
   return keys;
 }
@@ -372,7 +390,7 @@ std::vector<Key<Input>> specification_keys() {
   append_keys(keys, operating_point_keys(), &Input::losses);
   append_keys(keys, train_strength_keys(), &Input::strength);
   append_keys(keys, limit_keys(false), &Input::limits);
-  append_keys(keys, tolerance_keys(), &Input::tolerances);
+  append_keys(keys, task_tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));
   append_keys(keys, round_keys(), of_spec(&Specification::round));
   append_keys(keys, co_design_keys(), &Input::co_design);
