@@ -146,20 +146,28 @@ class WithoutBlocks {
                                        const std::vector<bool>& optional = {}) const {
     const Eigen::MatrixXd left = left_of(b);
     std::vector<Eigen::Index> seen;
-    std::vector<bool> asked;
+    std::vector<std::vector<bool>> asked(1);  // together, then each by itself
+    std::vector<std::size_t> alone;
     for (Eigen::Index k = 0; k < left.rows(); ++k) {
       const auto place = static_cast<std::size_t>(k);
       if (!optional.empty() && optional[place] && !(left(k, k) > kDetermined)) continue;
+      if (!shown.each.empty() && shown.each[place]) alone.push_back(seen.size());
       seen.push_back(k);
-      asked.push_back(!shown.of.empty() && shown.of[place]);
+      asked[0].push_back(!shown.together.empty() && shown.together[place]);
+    }
+    for (const std::size_t k : alone) {
+      asked.emplace_back(seen.size(), false);
+      asked.back()[k] = true;
     }
     Eigen::VectorXd change = Eigen::VectorXd::Constant(left.rows(), kUnknown);
     if (seen.empty()) return change;
     const Eigen::MatrixXd of_seen = left(seen, seen);
     if (!(numerics::symmetric_eigenvalues(of_seen)[0] > kDetermined)) return {};
-    if (const auto count = static_cast<double>(std::ranges::count(asked, true)); count > 0.0) {
-      const Eigen::MatrixXd all = unit_.asDiagonal() * normal_ * unit_.asDiagonal();
-      const double more = log_information(of_seen, asked) - log_information(all(seen, seen), asked);
+    const Eigen::MatrixXd all = unit_.asDiagonal() * normal_ * unit_.asDiagonal();
+    for (const std::vector<bool>& some : asked) {
+      const auto count = static_cast<double>(std::ranges::count(some, true));
+      if (!(count > 0.0)) continue;
+      const double more = log_information(of_seen, some) - log_information(all(seen, seen), some);
       if (more < count * std::log(shown.least)) return {};
     }
     const Eigen::VectorXd moment = moment_of(b)(seen);

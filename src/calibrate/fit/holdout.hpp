@@ -51,9 +51,10 @@ int last_session(const MeasurementSet& data, const Blocks& blocks);
 
 /// Of which of a hypothesis' parameters one block must not hold all that the data say.
 struct Shown {
-  std::vector<bool> of;  ///< of each parameter; empty: none
-  /// Of their information det(N)/det(N_others), N = JᵀJ: what is to be left without a block, the
-  /// root of as many parameters.
+  std::vector<bool> together = {};  ///< of each parameter; empty: none
+  std::vector<bool> each = {};      ///< those that are asked for one by one; empty: none
+  /// Of their information det(N)/det(N_others), N = JᵀJ: what is to be left without a block, of
+  /// those asked for together the root of as many.
   double least = 0.0;
 };
 

@@ -120,11 +120,13 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
   std::vector<Eigen::VectorXd> by_found;
   by_found.reserve(all.size());
   // Rows at a level that alone shows a law say nothing against it: of the tail of a peak its height
-  // is not known.
+  // is not known.  Nor does a session that alone shows how fast something runs in: what follows it
+  // is known without.
   constexpr double kLeast = 0.01;
-  Shown shown{.of = {}, .least = kLeast};
+  Shown shown{.together = {}, .each = {}, .least = kLeast};
   for (const Candidate& c : found.effects) {
-    shown.of.insert(shown.of.end(), c.parameters.size(), is_law(c));
+    shown.together.insert(shown.together.end(), c.parameters.size(), is_law(c));
+    shown.each.insert(shown.each.end(), c.parameters.size(), c.cause->id == "drift");
   }
   for (const Blocks& blocks : all) {
     by_found.push_back(predict_left_out(problem, found, blocks, shown));

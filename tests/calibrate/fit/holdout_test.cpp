@@ -351,10 +351,10 @@ TEST_F(HeldOut, WithTooLittleInformationLeftAreUnknown) {
   const auto n = static_cast<double>(blocks.of.size());
   const auto own = static_cast<double>(std::ranges::count(blocks.of, blocks.of[0]));
   const Eigen::VectorXd plain = predict_held_out(problem(), offset, blocks);
-  const Eigen::VectorXd kept =
-      predict_held_out(problem(), offset, blocks, {.of = {true}, .least = 0.99 * (1.0 - own / n)});
-  const Eigen::VectorXd gone =
-      predict_held_out(problem(), offset, blocks, {.of = {true}, .least = 1.01 * (1.0 - own / n)});
+  const Eigen::VectorXd kept = predict_held_out(
+      problem(), offset, blocks, {.together = {true}, .least = 0.99 * (1.0 - own / n)});
+  const Eigen::VectorXd gone = predict_held_out(
+      problem(), offset, blocks, {.together = {true}, .least = 1.01 * (1.0 - own / n)});
   EXPECT_EQ(kept[0], plain[0]);
   EXPECT_TRUE(std::isnan(gone[0]));
 }
@@ -396,8 +396,8 @@ TEST_F(HeldOut, AskForTheInformationOfThoseParametersAlone) {
     left[static_cast<std::size_t>(k)] = variance(columns, k) / variance(rest, k);
     const std::vector<bool> of{k == 0, k == 1};
     const double share = left[static_cast<std::size_t>(k)];
-    EXPECT_TRUE(predicts({.of = of, .least = 0.99 * share})) << k;
-    EXPECT_FALSE(predicts({.of = of, .least = 1.01 * share})) << k;
+    EXPECT_TRUE(predicts({.together = of, .least = 0.99 * share})) << k;
+    EXPECT_FALSE(predicts({.together = of, .least = 1.01 * share})) << k;
   }
   // The step's loss says nothing of the offset.
   EXPECT_GT(left[0], 0.5);
@@ -405,8 +405,13 @@ TEST_F(HeldOut, AskForTheInformationOfThoseParametersAlone) {
   // Of both: the root of the determinants' ratio.
   const double share = std::sqrt((rest.transpose() * rest).determinant() /
                                  (columns.transpose() * columns).determinant());
-  EXPECT_TRUE(predicts({.of = {true, true}, .least = 0.99 * share}));
-  EXPECT_FALSE(predicts({.of = {true, true}, .least = 1.01 * share}));
+  EXPECT_TRUE(predicts({.together = {true, true}, .least = 0.99 * share}));
+  EXPECT_FALSE(predicts({.together = {true, true}, .least = 1.01 * share}));
+  // One by one: of those asked for the one that the block takes most from.
+  EXPECT_TRUE(predicts({.each = {true, true}, .least = 0.99 * left[1]}));
+  EXPECT_FALSE(predicts({.each = {true, true}, .least = 1.01 * left[1]}));
+  EXPECT_TRUE(predicts({.each = {true, false}, .least = 0.99 * left[0]}));
+  EXPECT_FALSE(predicts({.each = {true, false}, .least = 1.01 * left[0]}));
 }
 
 // Which blocks
