@@ -283,10 +283,9 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
       result.record_start_s = time_s.front();
     }
     const double scatter = zero_scatter(*used[u].session, used, readings);
-    for (Observation& row :
-         rows_of_loop(used[u], readings[u], shares[u], scatter, used.size() > 1)) {
-      result.rows.push_back(std::move(row));
-    }
+    const std::vector<Observation> rows =
+        rows_of_loop(used[u], readings[u], shares[u], scatter, used.size() > 1);
+    result.rows.insert(result.rows.end(), rows.begin(), rows.end());
   }
   result.notes.push_back(
       fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} N m", used.size(),

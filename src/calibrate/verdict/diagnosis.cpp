@@ -159,7 +159,7 @@ Verdict verdict_of(const Diagnosis& d) {
 }
 
 /// The explanation that no cause of the library is behind an effect, in NextExperiment::separates.
-constexpr const char* kNoCause = "no_cause";
+constexpr const char* kNothingBehind = "no_cause";
 
 /// What separates the explanations of the weightiest part of the discrepancy that has several.
 /// @param effects  of the result, with the probability that no cause is behind them; those of
@@ -196,8 +196,9 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypo
           {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
     }
   } else if (effects[*open].is_doubtful()) {
-    explanations.push_back(
-        {.id = kNoCause, .fit = fit(problem, without(hypothesis, *open), scale), .is_rest = true});
+    explanations.push_back({.id = kNothingBehind,
+                            .fit = fit(problem, without(hypothesis, *open), scale),
+                            .is_rest = true});
   }
   return plan_experiment(problem, explanations, noise, options);
 }

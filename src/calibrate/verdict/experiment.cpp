@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <limits>
 #include <utility>
 
 #include "calibrate/search/replacements.hpp"
@@ -89,12 +89,14 @@ struct Pair {
   std::vector<Distance> distances;
 
   [[nodiscard]] double now() const {
-    return std::ranges::min(distances | std::views::transform(&Distance::now));
+    double least = std::numeric_limits<double>::infinity();
+    for (const Distance& d : distances) least = std::min(least, d.now());
+    return least;
   }
   [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
-    return std::ranges::min(distances | std::views::transform([&](const Distance& d) {
-                              return d.with(condition, repeats);
-                            }));
+    double least = std::numeric_limits<double>::infinity();
+    for (const Distance& d : distances) least = std::min(least, d.with(condition, repeats));
+    return least;
   }
   void take(Eigen::Index condition, double repeats) {
     for (Distance& d : distances) d.take(condition, repeats);
