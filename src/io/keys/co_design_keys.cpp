@@ -23,7 +23,7 @@ std::vector<Key<SelectionInput>> selection_part() {
                             [&](std::string_view start) { return path.starts_with(start); })) {
       keys.push_back(key);
       if (path == "limits.ambient_c") {
-        keys.back().record.default_text = "25, of actuator.motor its own";
+        keys.back().record.default_text = "that of actuator.motor, else 25";
       }
     } else if (path == "cycles" || path == "weights") {
       keys.push_back(key);
