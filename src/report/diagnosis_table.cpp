@@ -9,6 +9,8 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
+#include "report/experiment_table.hpp"
+#include "report/loop_table.hpp"
 #include "report/series_report.hpp"
 #include "report/text_table.hpp"
 #include "report/uncertain_value.hpp"
@@ -18,8 +20,8 @@ namespace gear3k::report {
 namespace {
 
 using calibrate::Alternative, calibrate::CovariateTest, calibrate::Diagnosis, calibrate::Effect,
-    calibrate::Form, calibrate::LoopSession, calibrate::MeasurementSet, calibrate::NextExperiment,
-    calibrate::NoiseSource, calibrate::ParameterResult, calibrate::Verdict;
+    calibrate::Form, calibrate::MeasurementSet, calibrate::NoiseSource, calibrate::ParameterResult,
+    calibrate::Verdict;
 
 std::string spaced(std::string text) {
   std::ranges::replace(text, '_', ' ');
@@ -441,105 +443,6 @@ std::string lack_text(const Diagnosis& d) {
                      p_statement(d.lack_of_fit.p_value));
 }
 
-std::string stiffness_text(const std::optional<calibrate::FlankStiffness>& flank) {
-  return flank ? deviation_text(flank->stiffness_Nm_rad, flank->standard_deviation_Nm_rad) : "-";
-}
-
-std::string session_name(const LoopSession& session, const MeasurementSet& set) {
-  const auto file = static_cast<std::size_t>(session.file);
-  const std::string name = file < set.files.size() ? set.files[file] : "";
-  return session.run.empty() ? name : fmt::format("{}, run {}", name, session.run);
-}
-
-/// What the filter of a session's record was, and how its angle crept.
-std::string record_text(const LoopSession& session) {
-  std::vector<std::string> parts;
-  if (session.cutoff_Hz > 0.0) {
-    parts.push_back(fmt::format("filter cut-off {:.3g} Hz", session.cutoff_Hz));
-  }
-  if (session.creep) {
-    parts.push_back(fmt::format("creep of {} arcmin/s, which is not taken out",
-                                deviation_text(arcmin(session.creep->rad_s),
-                                               arcmin(session.creep->standard_deviation_rad_s))));
-  }
-  return fmt::format("{}", fmt::join(parts, "; "));
-}
-
-std::string loops_text(const MeasurementSet& set) {
-  if (set.loops.empty()) return "";
-  TextTable table({"record", "measured at", "loop", "lost motion (arcmin)",
-                   "stiffness at T > 0 (N m/rad)", "at T < 0 (N m/rad)", "asymmetry"});
-  std::string records;
-  bool at_sun = false;
-  for (const LoopSession& session : set.loops) {
-    const std::string name = session_name(session, set);
-    for (const auto& [number, loop] : session.loops) {
-      table.add({name, session.sun_locked ? "output" : "sun", fmt::format("{}", number),
-                 deviation_text(arcmin(loop.lost_motion_rad), arcmin(loop.lost_motion_sd_rad)),
-                 stiffness_text(loop.stiffness_positive), stiffness_text(loop.stiffness_negative),
-                 loop.asymmetry ? fmt::format("{} %", fixed(percent(*loop.asymmetry), 1)) : "-"});
-    }
-    at_sun = at_sun || !session.sun_locked;
-    const std::string record = record_text(session);
-    if (record.empty()) continue;
-    records += fmt::format("  {}: {}\n", name, record);
-  }
-  return fmt::format(
-      "\nLoops, friction included, at the output (± is one standard deviation)\n{}{}{}",
-      table.text(2), at_sun ? "  What was measured at the sun is referred to the output.\n" : "",
-      records);
-}
-
-std::string next_text(const Diagnosis& d) {
-  if (!d.next_experiment) return "";
-  const NextExperiment& next = *d.next_experiment;
-  std::string text =
-      next.separates.size() == 1
-          ? fmt::format("\nNext experiment, to tell where {} acts", next.separates[0])
-          : fmt::format("\nNext experiment, to tell apart {}", fmt::join(next.separates, ", "));
-  if (next.expected_statistic > 0.0) {
-    text += fmt::format(" (expected chi-square {:.3g}; 9 tells them apart)",
-                        clean(next.expected_statistic));
-  }
-  text += "\n";
-  std::vector<ConditionColumn> columns;
-  for (const ConditionColumn& column : condition_columns(d.kind)) {
-    if (column.name == "run" || column.name == "time_s") continue;
-    const bool stated = std::ranges::any_of(next.conditions, [&](const auto& proposed) {
-      return std::isfinite(column.value(proposed.condition));
-    });
-    if (stated) columns.push_back(column);
-  }
-  if (!next.conditions.empty()) {
-    const bool reference = std::ranges::any_of(
-        next.conditions, [](const auto& c) { return c.condition.reference_sensor; });
-    std::vector<std::string> header;
-    header.reserve(columns.size() + 2);
-    for (const ConditionColumn& column : columns) header.emplace_back(column.name);
-    if (reference) header.emplace_back("sensor");
-    header.emplace_back("repeats");
-    TextTable table(header);
-    for (const auto& proposed : next.conditions) {
-      std::vector<std::string> row;
-      row.reserve(header.size());
-      for (const ConditionColumn& column : columns) {
-        const double value = column.value(proposed.condition);
-        row.push_back(column.name == "direction" ? condition_text(column, proposed.condition, {})
-                      : std::isfinite(value)     ? fmt::format("{:.5g}", value)
-                                                 : "");
-      }
-      if (reference) {
-        row.emplace_back(proposed.condition.reference_sensor ? "reference" : "as before");
-      }
-      row.push_back(fmt::format("{}", proposed.repeats));
-      table.add(row);
-    }
-    text += table.text(2);
-  }
-  if (!next.advice.empty()) text += fmt::format("  {}\n", next.advice);
-  return text;
-}
-
 std::string notes_text(const Diagnosis& d) {
   std::string text;
   const auto outliers = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
@@ -569,8 +472,8 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   std::string laws;
   for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);
   text += unit_series_text(d) + evidence_table(d) + covariate_table(d) + gain_table(d, set) +
-          remainder_text(d) + laws + correction_text(d) + lack_text(d) + loops_text(set) +
-          next_text(d) + notes_text(d);
+          remainder_text(d) + laws + correction_text(d) + lack_text(d) + loop_table(set) +
+          experiment_table(d) + notes_text(d);
   return text;
 }
 

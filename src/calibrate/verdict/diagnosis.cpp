@@ -158,51 +158,6 @@ Verdict verdict_of(const Diagnosis& d) {
                                                         : Verdict::kExplained;
 }
 
-/// The explanation that no cause of the library is behind an effect, in NextExperiment::separates.
-constexpr const char* kNothingBehind = "no_cause";
-
-/// What separates the explanations of the weightiest part of the discrepancy that has several.
-/// @param effects  of the result, with the probability that no cause is behind them; those of
-///     `hypothesis` and `found`
-/// @param scale  of the treatment of outliers, as of fit()
-/// @param noise  standard deviation of the whitened rows
-std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& hypothesis,
-                                              const std::vector<FoundEffect>& found,
-                                              const std::vector<Effect>& effects, double scale,
-                                              double noise, const DiagnoseOptions& options) {
-  const auto first = [&](const auto& is_open) -> std::optional<std::size_t> {
-    for (std::size_t e = 0; e < found.size(); ++e) {
-      if (is_open(e)) return e;
-    }
-    return std::nullopt;
-  };
-  // Which cause it is, or whether any, comes before where it sits: that is a question of its own,
-  // for its own rows.
-  std::optional<std::size_t> open = first(
-      [&](std::size_t e) { return !found[e].replacements.empty() || effects[e].is_doubtful(); });
-  const bool asks_where = !open;
-  if (asks_where) open = first([&](std::size_t e) { return !found[e].other_bodies.empty(); });
-  if (!open) return std::nullopt;
-  const Candidate& own = hypothesis.effects[*open];
-  std::vector<Explanation> explanations{{.id = std::string(own.cause->id),
-                                         .fit = fit(problem, hypothesis, scale),
-                                         .body = asks_where ? own.form.body : ""}};
-  for (const Replacement& r : found[*open].replacements) {
-    explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
-  }
-  if (asks_where) {
-    for (const Replacement& r : found[*open].other_bodies) {
-      explanations.push_back(
-          {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
-    }
-  } else if (effects[*open].is_doubtful()) {
-    explanations.push_back({.id = kNothingBehind,
-                            .fit = fit(problem, without(hypothesis, *open), scale),
-                            .is_rest = true});
-  }
-  return plan_experiment(problem, explanations, noise, options);
-}
-
 /// @param found  the effects that were found, with what explains as well
 ExtendedModel model_of(const FinalFit& final, const Problem& problem,
                        const std::vector<Effect>& found) {

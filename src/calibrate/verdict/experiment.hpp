@@ -1,6 +1,8 @@
 #pragma once
 // The measurement that would tell explanations apart.
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "calibrate/search/search.hpp"
@@ -24,5 +26,15 @@ struct Explanation {
 /// @param scale  standard deviation of the whitened rows
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
                                double scale, const DiagnoseOptions& options);
+
+/// What separates the explanations of the weightiest part of the discrepancy that has several.
+/// @param effects  of the result, with the probability that no cause is behind them; those of
+///     `hypothesis` and `found`
+/// @param scale  of the treatment of outliers, as of fit()
+/// @param noise  standard deviation of the whitened rows
+std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& hypothesis,
+                                              const std::vector<FoundEffect>& found,
+                                              const std::vector<Effect>& effects, double scale,
+                                              double noise, const DiagnoseOptions& options);
 
 }  // namespace gear3k::calibrate
