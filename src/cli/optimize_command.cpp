@@ -428,6 +428,52 @@ const char* open_part(const app::Optimization& o) {
   return "the search without the model, which it begins anew";
 }
 
+/// Leaves the journals of a run that did not come to its end, and says how it goes on.
+void keep_for_resume(const OptimizeOptions& options, const app::OptimizeTask& task,
+                     const app::Optimization& outcome, RunJournal& journal, FrontJournal& front) {
+  if (outcome.interrupted) {
+    say(fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume {}\n",
+                    options.out, outcome.result.refined.size(),
+                    journal.is_open() ? fmt::format("goes on with {}", open_part(outcome))
+                                      : std::string("begins anew")));
+  } else if (outcome.front && outcome.front->ended == optimize::ParetoFront::Ended::kBudget) {
+    if (!options.quiet) {
+      say(fmt::format("the front's {:g} s were spent with {} of {} designs; --resume goes on\n",
+                      options.front_budget_s, outcome.front->points.size(),
+                      task.spec.pareto_points));
+    }
+  } else {
+    journal.remove();
+    front.remove();
+  }
+}
+
+/// What the best design fails, as the run's exit code.
+ExitCode end_with_design(const OptimizeOptions& options, const app::OptimizeTask& task,
+                         const app::Optimization& outcome, const ResultFolder& folder) {
+  const design::Evaluation& best = outcome.best->evaluation;
+  if (!best.efficiency.backdrivable && !options.quiet) {
+    say(fmt::format("the best design found cannot be back-driven (margin {:.4f})\n",
+                    best.efficiency.backdriving_margin));
+  }
+  if (!design::all_ok(best.checks)) {
+    say(fmt::format("{}: fails a check{}\n", folder.path_of("best.toml"),
+                    outcome.interrupted ? " (the run was interrupted)" : ""));
+    return outcome.interrupted ? kInterrupted : kSolverFailure;
+  }
+  if (outcome.rounded && !design::all_ok(outcome.rounded->evaluation.checks)) {
+    say(fmt::format("{}: fails a check\n", folder.path_of(kRoundedName)));
+    return kSolverFailure;
+  }
+  if (outcome.interrupted) return kInterrupted;
+  if (outcome.rounding && !outcome.rounded) {
+    say(fmt::format("{}: {}\n", options.file,
+                    report::rounding_blocked_text(task.spec, *outcome.rounding)));
+    return kNoFeasibleDesign;
+  }
+  return kDone;
+}
+
 }  // namespace
 
 ExitCode run_optimize(const OptimizeOptions& options) {
@@ -476,45 +522,11 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     report::optimize_counts_text(outcome.result, result.tally),
                     report::certificate_text(task.spec, outcome.result)));
   }
-  if (outcome.interrupted) {
-    say(fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume {}\n",
-                    options.out, outcome.result.refined.size(),
-                    journal.is_open() ? fmt::format("goes on with {}", open_part(outcome))
-                                      : std::string("begins anew")));
-  } else if (outcome.front && outcome.front->ended == optimize::ParetoFront::Ended::kBudget) {
-    if (!options.quiet) {
-      say(fmt::format("the front's {:g} s were spent with {} of {} designs; --resume goes on\n",
-                      options.front_budget_s, outcome.front->points.size(),
-                      task.spec.pareto_points));
-    }
-  } else {
-    journal.remove();
-    front.remove();
-  }
+  keep_for_resume(options, task, outcome, journal, front);
   held.reset();
   print_results(task, result, options);
   if (!outcome.best) return end_without_design(task, result);
-  const design::Evaluation& best = outcome.best->evaluation;
-  if (!best.efficiency.backdrivable && !options.quiet) {
-    say(fmt::format("the best design found cannot be back-driven (margin {:.4f})\n",
-                    best.efficiency.backdriving_margin));
-  }
-  if (!design::all_ok(best.checks)) {
-    say(fmt::format("{}: fails a check{}\n", folder.path_of("best.toml"),
-                    outcome.interrupted ? " (the run was interrupted)" : ""));
-    return outcome.interrupted ? kInterrupted : kSolverFailure;
-  }
-  if (outcome.rounded && !design::all_ok(outcome.rounded->evaluation.checks)) {
-    say(fmt::format("{}: fails a check\n", folder.path_of(kRoundedName)));
-    return kSolverFailure;
-  }
-  if (outcome.interrupted) return kInterrupted;
-  if (outcome.rounding && !outcome.rounded) {
-    say(fmt::format("{}: {}\n", options.file,
-                    report::rounding_blocked_text(task.spec, *outcome.rounding)));
-    return kNoFeasibleDesign;
-  }
-  return kDone;
+  return end_with_design(options, task, outcome, folder);
 }
 
 }  // namespace gear3k::cli

@@ -45,13 +45,7 @@ void add_run(CLI::App& command, SweepQuestion& question) {
       ->option_text("N");
 }
 
-}  // namespace
-
-void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run) {
-  SweepOptions& options = commands.sweep;
-  SweepMergeOptions& merge = commands.merge;
-  SweepQuestion& question = commands.question;
-  sweep.require_subcommand(0, 1);
+void add_run_options(CLI::App& sweep, SweepOptions& options) {
   sweep.add_option("SWEEP", options.file, "SWEEP.toml: a task, and what of it is varied");
   sweep.add_option("--out", options.out, "database for the results, made when missing")
       ->option_text("DB");
@@ -79,7 +73,9 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   sweep.add_flag("--yes", options.yes, "do more than 100000 tasks");
   add_output_options(sweep, options);
   sweep.footer(keys_of("SWEEP.toml"));
-  add_sweep_question(sweep, "status", "what is done, by run", question, run, run_sweep_status);
+}
+
+void add_best(CLI::App& sweep, SweepQuestion& question, std::function<ExitCode()>& run) {
   CLI::App& best = add_sweep_question(sweep, "best", "the best design by keys or columns", question,
                                       run, run_sweep_best);
   best.add_option("--by", question.by, "keys or columns, a row for each of their values")
@@ -91,10 +87,9 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
       ->option_text("NAME")
       ->excludes(most);
   add_run(best, question);
-  add_sweep_question(sweep, "query", "the rows of an SQL statement that only reads", question, run,
-                     run_sweep_query)
-      .add_option("SQL", question.sql, "tables and views: docs/sweep.md")
-      ->required();
+}
+
+void add_figure(CLI::App& sweep, SweepQuestion& question, std::function<ExitCode()>& run) {
   CLI::App& figure = add_sweep_question(sweep, "figure", "a map of the results, as SVG", question,
                                         run, run_sweep_figure);
   figure.add_option("--x", question.x, "key or column along the axis")
@@ -107,6 +102,9 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
       ->expected(1)
       ->option_text("NAME");
   add_run(figure, question);
+}
+
+void add_compare(CLI::App& sweep, SweepQuestion& question, std::function<ExitCode()>& run) {
   CLI::App& compare =
       add_sweep_question(sweep, "compare", "what is better, worse or newly infeasible, and why",
                          question, run, run_sweep_compare);
@@ -118,15 +116,36 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
       })
       ->option_text("REVISION | DATE");
   compare.add_flag("--strict", question.strict, "exit with 3 when anything is worse");
-  CLI::App& merge_command = *sweep.add_subcommand(
+}
+
+void add_merge(CLI::App& sweep, SweepMergeOptions& merge, std::function<ExitCode()>& run) {
+  CLI::App& command = *sweep.add_subcommand(
       "merge", "takes the results of other databases over; a second time nothing");
-  merge_command.add_option("DB", merge.databases, "databases of sweeps")->required();
-  merge_command.add_option("--out", merge.out, "database that takes them, made when missing")
+  command.add_option("DB", merge.databases, "databases of sweeps")->required();
+  command.add_option("--out", merge.out, "database that takes them, made when missing")
       ->required()
       ->option_text("DB");
-  add_output_options(merge_command, merge);
-  merge_command.footer("");
-  merge_command.callback([&merge, &run] { run = [&merge] { return run_sweep_merge(merge); }; });
+  add_output_options(command, merge);
+  command.footer("");
+  command.callback([&merge, &run] { run = [&merge] { return run_sweep_merge(merge); }; });
+}
+
+}  // namespace
+
+void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run) {
+  SweepOptions& options = commands.sweep;
+  SweepQuestion& question = commands.question;
+  sweep.require_subcommand(0, 1);
+  add_run_options(sweep, options);
+  add_sweep_question(sweep, "status", "what is done, by run", question, run, run_sweep_status);
+  add_best(sweep, question, run);
+  add_sweep_question(sweep, "query", "the rows of an SQL statement that only reads", question, run,
+                     run_sweep_query)
+      .add_option("SQL", question.sql, "tables and views: docs/sweep.md")
+      ->required();
+  add_figure(sweep, question, run);
+  add_compare(sweep, question, run);
+  add_merge(sweep, commands.merge, run);
   sweep.callback([&sweep, &options, &run] {
     if (!sweep.get_subcommands().empty()) {
       refuse_before_subcommand(sweep);

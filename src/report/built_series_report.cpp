@@ -54,16 +54,10 @@ std::string limit_text(const BuiltSeries& series) {
                           : std::string("no limit");
 }
 
-std::string series_text(const BuiltSeries& series) {
+/// How many assemble and keep the limit, and the lost motion of those that do.
+std::string drawn_text(const BuiltSeries& series) {
   const MonteCarloResult& r = series.result;
-  std::string text = fmt::format(
-      "\nBuilt gearboxes at one position of the turn: {} drawn at random, seed {}, {} scatter{}\n",
-      r.samples, series.seed,
-      backlash::kScatterNames[static_cast<std::size_t>(series.scatter.scatter)],
-      series.scatter.scatter == backlash::Scatter::kNormal
-          ? fmt::format(" (limits at {:g} standard deviations)", series.scatter.sigma_level)
-          : "");
-  text += fmt::format("  assemble               {}\n", proportion_text(r.assembled));
+  std::string text = fmt::format("  assemble               {}\n", proportion_text(r.assembled));
   if (series.limit_rad) {
     text += fmt::format("  and keep {:<13} {}\n", limit_text(series), proportion_text(r.yield));
   }
@@ -71,19 +65,21 @@ std::string series_text(const BuiltSeries& series) {
                       r.limit_of_99_percent_rad
                           ? fmt::format("{:.2f} arcmin", arcmin(*r.limit_of_99_percent_rad))
                           : std::string("no limit: more than 1 % do not assemble"));
-  if (r.assembled.count > 0) {
-    const auto& d = r.lost_motion;
-    text += fmt::format("  lost motion            {:.2f} arcmin, standard deviation {:.2f}\n",
-                        arcmin(d.mean_rad), arcmin(d.deviation_rad));
-    std::string quantiles;
-    for (const Quantile& q : d.quantiles) {
-      quantiles += fmt::format("{}{:g} %: {:.2f}", quantiles.empty() ? "" : ", ",
-                               clean(percent(q.probability)), arcmin(q.value));
-    }
-    text += fmt::format("    at most, arcmin      {}\n", quantiles);
+  if (r.assembled.count == 0) return text;
+  const auto& d = r.lost_motion;
+  text += fmt::format("  lost motion            {:.2f} arcmin, standard deviation {:.2f}\n",
+                      arcmin(d.mean_rad), arcmin(d.deviation_rad));
+  std::string quantiles;
+  for (const Quantile& q : d.quantiles) {
+    quantiles += fmt::format("{}{:g} %: {:.2f}", quantiles.empty() ? "" : ", ",
+                             clean(percent(q.probability)), arcmin(q.value));
   }
-  const backlash::WorstCase& w = r.worst;
-  text += fmt::format(
+  return text + fmt::format("    at most, arcmin      {}\n", quantiles);
+}
+
+/// Planets that are alike, at the ends of the limits.
+std::string worst_case_text(const backlash::WorstCase& w) {
+  std::string text = fmt::format(
       "  planets alike          {:.2f} arcmin with all at the middle of their limits; +- {:.2f} by "
       "root sum square\n",
       arcmin(w.middle_rad), arcmin(w.root_sum_square_rad));
@@ -92,57 +88,76 @@ std::string series_text(const BuiltSeries& series) {
                         arcmin(w.greatest_rad), w.greatest_attained ? "" : " (a bound)",
                         arcmin(w.least_rad));
   }
-  text += w.can_jam()
+  return text +
+         (w.can_jam()
               ? fmt::format("  in the worst case it does not assemble, by {:.1f} um\n",
                             -um(w.least_margin_m))
               : fmt::format("  it always assembles, with {:.1f} um to spare in the worst case\n",
-                            um(w.least_margin_m));
-  if (series.turn) {
-    text += fmt::format(
-        "  at every position      of a turn, {} gearboxes: {:.1f} % assemble (95 %: {:.1f} to "
-        "{:.1f})",
-        series.turn->gearboxes, percent(series.turn->assembled.value),
-        percent(series.turn->assembled.lower), percent(series.turn->assembled.upper));
-    if (series.limit_rad) {
-      text += fmt::format(", {:.1f} % also keep {} (95 %: {:.1f} to {:.1f})",
-                          percent(series.turn->yield.value), limit_text(series),
-                          percent(series.turn->yield.lower), percent(series.turn->yield.upper));
-    }
-    text += '\n';
+                            um(w.least_margin_m)));
+}
+
+std::string turn_text(const BuiltSeries& series) {
+  if (!series.turn) return "";
+  std::string text = fmt::format(
+      "  at every position      of a turn, {} gearboxes: {:.1f} % assemble (95 %: {:.1f} to "
+      "{:.1f})",
+      series.turn->gearboxes, percent(series.turn->assembled.value),
+      percent(series.turn->assembled.lower), percent(series.turn->assembled.upper));
+  if (series.limit_rad) {
+    text += fmt::format(", {:.1f} % also keep {} (95 %: {:.1f} to {:.1f})",
+                        percent(series.turn->yield.value), limit_text(series),
+                        percent(series.turn->yield.lower), percent(series.turn->yield.upper));
   }
-  for (const design::ThermalSeries& end : series.thermal) {
-    const MonteCarloResult& at = end.result;
-    text += fmt::format(
-        "  {:<22} at most {:.2f} % jam in some position of their teeth; lost motion {}\n",
-        design::state_text(end.state), percent(end.jammed.value),
-        at.assembled.count == 0 ? "none: no gearbox assembles"
-        : at.limit_of_99_percent_rad
-            ? fmt::format("{:.2f} arcmin, 99 % keep {:.2f}", arcmin(at.lost_motion.mean_rad),
-                          arcmin(*at.limit_of_99_percent_rad))
-            : fmt::format("{:.2f} arcmin", arcmin(at.lost_motion.mean_rad)));
+  return text + '\n';
+}
+
+std::string thermal_end_text(const design::ThermalSeries& end) {
+  const MonteCarloResult& at = end.result;
+  return fmt::format(
+      "  {:<22} at most {:.2f} % jam in some position of their teeth; lost motion {}\n",
+      design::state_text(end.state), percent(end.jammed.value),
+      at.assembled.count == 0 ? "none: no gearbox assembles"
+      : at.limit_of_99_percent_rad
+          ? fmt::format("{:.2f} arcmin, 99 % keep {:.2f}", arcmin(at.lost_motion.mean_rad),
+                        arcmin(*at.limit_of_99_percent_rad))
+          : fmt::format("{:.2f} arcmin", arcmin(at.lost_motion.mean_rad)));
+}
+
+std::string first_contact_text(const design::FirstContactRooms& rooms) {
+  if (rooms.samples == 0 || rooms.median_m.size() < 2) return "";
+  std::string later;
+  for (std::size_t k = 1; k < rooms.median_m.size(); ++k) {
+    later += fmt::format("{}{:.1f} um ({:.1f} um)", later.empty() ? "" : ", ",
+                         um(rooms.median_m[k]), um(rooms.percent95_m[k]));
   }
+  return fmt::format(
+             "  at first contact       one planet carries {:.0f} % of the output torque on "
+             "average{}\n",
+             percent(rooms.greatest_share),
+             rooms.greatest_share > 1.005
+                 ? " (above 100: another one is wedged and works against it)"
+                 : "") +
+         fmt::format("    room left at the {}: {} in the median (95 % have at most)\n",
+                     rooms.median_m.size() > 2 ? "planets that follow" : "planet that follows",
+                     later);
+}
+
+std::string series_text(const BuiltSeries& series) {
+  std::string text = fmt::format(
+      "\nBuilt gearboxes at one position of the turn: {} drawn at random, seed {}, {} scatter{}\n",
+      series.result.samples, series.seed,
+      backlash::kScatterNames[static_cast<std::size_t>(series.scatter.scatter)],
+      series.scatter.scatter == backlash::Scatter::kNormal
+          ? fmt::format(" (limits at {:g} standard deviations)", series.scatter.sigma_level)
+          : "");
+  text += drawn_text(series) + worst_case_text(series.result.worst) + turn_text(series);
+  for (const design::ThermalSeries& end : series.thermal) text += thermal_end_text(end);
   if (series.paper_limit) {
     text +=
         "  the limit of lost motion is one of the paper's model (backlash.model); built gearboxes "
         "follow the\n    kinematic one and are not judged by it\n";
   }
-  const design::FirstContactRooms& rooms = series.rooms;
-  if (rooms.samples > 0 && rooms.median_m.size() > 1) {
-    text += fmt::format(
-        "  at first contact       one planet carries {:.0f} % of the output torque on average{}\n",
-        percent(rooms.greatest_share),
-        rooms.greatest_share > 1.005 ? " (above 100: another one is wedged and works against it)"
-                                     : "");
-    std::string later;
-    for (std::size_t k = 1; k < rooms.median_m.size(); ++k) {
-      later += fmt::format("{}{:.1f} um ({:.1f} um)", later.empty() ? "" : ", ",
-                           um(rooms.median_m[k]), um(rooms.percent95_m[k]));
-    }
-    text += fmt::format("    room left at the {}: {} in the median (95 % have at most)\n",
-                        rooms.median_m.size() > 2 ? "planets that follow" : "planet that follows",
-                        later);
-  }
-  return text;
+  return text + first_contact_text(series.rooms);
 }
 
 /// Whether tightening about the middles cannot help.

@@ -207,6 +207,132 @@ bool states_allowance(const CommonInput& input) {
       input.gears, [](const GearInput& gear) { return gear.thickness_allowance_m.has_value(); });
 }
 
+/// The gears of a design as read, with what is judged of all of them together.
+struct DesignGears {
+  std::array<GearPlace, train::kGearCount> places{};
+  std::array<RingBody, 2> rings{};
+  bool rings_known = true;  ///< both have circles
+};
+
+/// What a gear has within or around its teeth: an external one a bore, a ring an outer diameter.
+void check_body(const DesignInput& input, std::size_t i, const GearPlace& place,
+                const geometry::Gear<double>& gear, bool has_circles, FileReading& reading) {
+  const auto& outer_radius_m = input.outer_radius_m[i];
+  const double bore_radius_m = input.masses.bore_radius_m[i];
+  if (place.ring) {
+    if (bore_radius_m > 0.0) {
+      reading.error_at(place.path + ".bore_mm",
+                       fmt::format("{}.bore_mm: allowed for S, P1 and P2 only (a ring has "
+                                   "outer_diameter_mm)",
+                                   place.path));
+    }
+    if (outer_radius_m && has_circles) check_rim(input, place, *outer_radius_m, gear, reading);
+    return;
+  }
+  if (outer_radius_m) {
+    reading.error_at(place.path + ".outer_diameter_mm",
+                     fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
+                                 "gears end at their teeth)",
+                                 place.path));
+  }
+  if (has_circles) check_bore(input, place, bore_radius_m, gear, reading);
+}
+
+/// Fills what the design says of each gear, except the numbers of teeth.
+DesignGears finish_gears(const DesignInput& input, design::Design& design,
+                         std::array<int, train::kGearCount>& teeth,
+                         backlash::Tolerances& tolerances, FileReading& reading) {
+  DesignGears gears;
+  auto& t = design.train;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const int id = static_cast<int>(i);
+    GearPlace& place = gears.places[i];
+    place = {.path = fmt::format("gears.{}", train::kGearNames[i]),
+             .ring = train::kind_of(id) == geometry::GearKind::kRing,
+             .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))],
+             .external_mesh = id == train::kS || id == train::kP1};
+    const auto gear = finish_gear(input, input.gears[i], place, reading);
+    teeth[i] = gear.teeth;
+    t.profile_shift[i] = gear.profile_shift;
+    t.machining_allowance[i] = gear.machining_allowance;
+    t.tip_shortening[i] = gear.tip_shortening;
+    t.rack[i] = gear.rack;
+    t.khk_tip[i] = input.gears[i].khk_tip;
+    t.cutter[i] = gear.cutter;
+    tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
+                                          {.path = place.path,
+                                           .name = std::string(train::kGearNames[i]),
+                                           .input = input.gears[i],
+                                           .gear = gear},
+                                          reading);
+    design.thickness_allowance_m[i] = input.gears[i].thickness_allowance_m;
+    design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
+    const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
+    check_body(input, i, place, gear, has_circles, reading);
+    if (!place.ring) continue;
+    const auto& outer_radius_m = input.outer_radius_m[i];
+    const bool first = id == train::kR1;
+    gears.rings_known = gears.rings_known && has_circles;
+    if (has_circles) {
+      const geometry::GearGeometry<double> circles = circles_of(input, gear);
+      gears.rings[first ? 0 : 1] = {.tip_radius_m = circles.tip_radius_m,
+                                    .root_radius_m = circles.root_radius_m,
+                                    .outer_radius_m = outer_radius_m};
+    }
+    if (outer_radius_m) {
+      (first ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
+          outer_radius_m;
+    }
+  }
+  return gears;
+}
+
+/// Rings that hold their planets, an output that turns, gears that mesh.
+void check_train(const design::Design& design, const DesignGears& gears, FileReading& reading) {
+  const auto& t = design.train;
+  const train::ToothSet& z = t.teeth;
+  require_more_ring_teeth(gears.places[train::kR1], gears.places[train::kP1], z.R1, z.P1, reading);
+  require_more_ring_teeth(gears.places[train::kR2], gears.places[train::kP2], z.R2, z.P2, reading);
+  if (z.R2 > 0 && 1LL * z.P1 * z.R2 == 1LL * z.P2 * z.R1) {
+    reading.error_at("gears.R2.teeth",
+                     fmt::format("gears: zP1 zR2 = zP2 zR1 = {}: the output would stand still, "
+                                 "allowed: different products",
+                                 1LL * z.P1 * z.R2));
+  }
+  const bool teeth_known =
+      std::min({z.S, z.P1, z.R1, z.P2, z.R2}) >= kFewestTeeth && z.R1 > z.P1 && z.R2 > z.P2;
+  if (!teeth_known || !(t.module_m[0] > 0.0) || !(t.module_m[1] > 0.0)) return;
+  if (const auto undefined = design::why_undefined(design)) {
+    reading.error_at(center_distance_place(reading), undefined->message);
+  }
+}
+
+/// What the strength of a design is judged by, where its file states it.
+/// @param materials  of each gear
+std::optional<strength::RatingTask> finish_rating_task(const DesignInput& input,
+                                                       const design::GearMaterials& materials,
+                                                       const design::Design& design,
+                                                       const DesignGears& gears,
+                                                       FileReading& reading) {
+  const auto& point = design.operating_point;
+  auto task = finish_train_strength(
+      input.strength, materials,
+      {.planets = {input.planets},
+       .face_width_m = design.masses.face_width_m,
+       .sun_speed_rad_s = point ? std::optional(point->sun_speed_rad_s) : std::nullopt,
+       .axial = design.axial,
+       .limits = design.limits,
+       .has_pin = design.masses.planet_pin_radius_m.has_value()},
+      reading);
+  std::vector<std::string> uncut;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const GearPlace& place = gears.places[i];
+    if (place.ring && design.train.cutter[i].teeth == 0) uncut.push_back(place.path + ".cutter");
+  }
+  check_ring_corners(input.rack, uncut, task, reading);
+  return task;
+}
+
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design::Design design;
   design.name = input.name;
@@ -225,63 +351,10 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   t.center_distance_m = input.center_distance_m.value_or(0.0);
   t.module_m = input.module_m;
   std::array<int, train::kGearCount> teeth{};
-  std::array<GearPlace, train::kGearCount> places;
   backlash::Tolerances tolerances = stated_tolerances(input.tolerances);
-  std::array<RingBody, 2> rings;
-  bool rings_known = true;
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const int id = static_cast<int>(i);
-    places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
-                 .ring = train::kind_of(id) == geometry::GearKind::kRing,
-                 .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))],
-                 .external_mesh = id == train::kS || id == train::kP1};
-    const auto gear = finish_gear(input, input.gears[i], places[i], reading);
-    teeth[i] = gear.teeth;
-    t.profile_shift[i] = gear.profile_shift;
-    t.machining_allowance[i] = gear.machining_allowance;
-    t.tip_shortening[i] = gear.tip_shortening;
-    t.rack[i] = gear.rack;
-    t.khk_tip[i] = input.gears[i].khk_tip;
-    t.cutter[i] = gear.cutter;
-    tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
-                                          {.path = places[i].path,
-                                           .name = std::string(train::kGearNames[i]),
-                                           .input = input.gears[i],
-                                           .gear = gear},
-                                          reading);
-    design.thickness_allowance_m[i] = input.gears[i].thickness_allowance_m;
-    design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
-    const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
-    const auto& outer_radius_m = input.outer_radius_m[i];
-    if (!places[i].ring) {
-      if (outer_radius_m) {
-        reading.error_at(places[i].path + ".outer_diameter_mm",
-                         fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
-                                     "gears end at their teeth)",
-                                     places[i].path));
-      }
-      if (has_circles) check_bore(input, places[i], input.masses.bore_radius_m[i], gear, reading);
-      continue;
-    }
-    if (input.masses.bore_radius_m[i] > 0.0) {
-      reading.error_at(places[i].path + ".bore_mm",
-                       fmt::format("{}.bore_mm: allowed for S, P1 and P2 only (a ring has "
-                                   "outer_diameter_mm)",
-                                   places[i].path));
-    }
-    rings_known = rings_known && has_circles;
-    if (has_circles) {
-      const geometry::GearGeometry<double> circles = circles_of(input, gear);
-      rings[id == train::kR1 ? 0 : 1] = {.tip_radius_m = circles.tip_radius_m,
-                                         .root_radius_m = circles.root_radius_m,
-                                         .outer_radius_m = outer_radius_m};
-    }
-    if (!outer_radius_m) continue;
-    if (has_circles) check_rim(input, places[i], *outer_radius_m, gear, reading);
-    (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
-        outer_radius_m;
-  }
-  if (rings_known) check_rings_apart(input.axial, rings, reading);
+  const DesignGears gears = finish_gears(input, design, teeth, tolerances, reading);
+  t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
+  if (gears.rings_known) check_rings_apart(input.axial, gears.rings, reading);
   if (input.tolerances.stated || states_allowance(input)) design.tolerances = tolerances;
   design.sampling = input.tolerances.sampling;
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
@@ -290,38 +363,10 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     design.masses.gear_density_kgm3 = design::material_densities_kgm3(materials);
   }
   check_masses(design.masses, reading);
-  t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
-  require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
-  require_more_ring_teeth(places[train::kR2], places[train::kP2], t.teeth.R2, t.teeth.P2, reading);
-  if (t.teeth.R2 > 0 && 1LL * t.teeth.P1 * t.teeth.R2 == 1LL * t.teeth.P2 * t.teeth.R1) {
-    reading.error_at("gears.R2.teeth",
-                     fmt::format("gears: zP1 zR2 = zP2 zR1 = {}: the output would stand still, "
-                                 "allowed: different products",
-                                 1LL * t.teeth.P1 * t.teeth.R2));
+  check_train(design, gears, reading);
+  if (const auto task = finish_rating_task(input, materials, design, gears, reading)) {
+    design.rating = design::rating_of(*task, design);
   }
-  const bool teeth_known = std::ranges::all_of(teeth, [](int z) { return z >= kFewestTeeth; }) &&
-                           t.teeth.R1 > t.teeth.P1 && t.teeth.R2 > t.teeth.P2;
-  if (teeth_known && t.module_m[0] > 0.0 && t.module_m[1] > 0.0) {
-    if (const auto undefined = design::why_undefined(design)) {
-      reading.error_at(center_distance_place(reading), undefined->message);
-    }
-  }
-  const auto& point = design.operating_point;
-  const auto task = finish_train_strength(
-      input.strength, materials,
-      {.planets = {input.planets},
-       .face_width_m = design.masses.face_width_m,
-       .sun_speed_rad_s = point ? std::optional(point->sun_speed_rad_s) : std::nullopt,
-       .axial = design.axial,
-       .limits = design.limits,
-       .has_pin = design.masses.planet_pin_radius_m.has_value()},
-      reading);
-  std::vector<std::string> uncut;
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    if (places[i].ring && t.cutter[i].teeth == 0) uncut.push_back(places[i].path + ".cutter");
-  }
-  check_ring_corners(input.rack, uncut, task, reading);
-  if (task) design.rating = design::rating_of(*task, design);
   return design;
 }
 
