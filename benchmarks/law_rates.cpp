@@ -103,13 +103,14 @@ struct Sum {
   double seconds = 0.0;
 
   void add(const Result& r) {
+    // One that is refused predicts nothing well.
+    ++count;
     if (!r.error.empty()) {
       ++failed;
       return;
     }
     constexpr double kMost = 1.1;
     const auto good = [](double e) { return std::sqrt(1.0 + e * e) <= kMost; };
-    ++count;
     unexplained += r.unexplained ? 1 : 0;
     laws += r.law ? 1 : 0;
     held_out += good(r.held_out) ? 1 : 0;

@@ -228,6 +228,8 @@ void add_names(Table& table) {
               [](const RateRecord& r) { return r.all_orders_listed; }, {});
   table.share("no cause fits: left unexplained", table.beginning("unknown "),
               [](const RateRecord& r) { return r.right; }, {});
+  table.share("... and nothing named that is not hidden", table.beginning("unknown "),
+              [](const RateRecord& r) { return r.right && !r.wrong_name; }, {});
   const auto tried = table.where([](const RateRecord& r) { return !r.left_out.empty(); });
   table.share("a session or block left out: the same names", tried,
               [](const RateRecord& r) { return r.left_out == "same"; }, {.least = 90.0});
@@ -262,7 +264,7 @@ void add_numbers(Table& table, const std::vector<RateRecord>& records) {
     // what the probabilities are of.
     if (!begins(r, "aliased ") && !remembers(r)) tenths.add(r);
   }
-  table.count("95 % intervals that hold the truth", inside, intervals,
+  table.count("95 % intervals of causes named rightly that hold the truth", inside, intervals,
               {.least = 93.0, .most = 97.0});
   table.part("probabilities; stated less held");
   for (std::size_t k = 0; k < tenths.claims.size(); ++k) {

@@ -1,12 +1,14 @@
 // How often the gain that `optimize --model` states holds: campaigns of the wide rig with a hidden
 // cause, diagnosed, the gearbox designed again, and both designs measured on the same bench.
 //
-//   redesign_gain [SEEDS [LAW-PREFIX [rows]]]        redesign_gain 20 friction_load
+//   redesign_gain [SEEDS [LAW-PREFIX [FIRST-SEED [rows]]]]        redesign_gain 20 friction_load 101
 //
 // A line of the table per law: campaigns, those whose best design changes, the share of these whose
 // true gain is in the stated 90 % interval and the share of all, each with its 95 % interval; means
-// of the stated and of the true gain, and mean half width, in percentage points.  With `rows` a
-// line per campaign.
+// of the stated and of the true gain, and mean half width, in percentage points.  A design that
+// stays gains nothing, as its interval about 0 says: it is in the share of all alone.  A campaign
+// that fails counts as one that changes, and as not covered; so does a change without an interval.
+// With `rows` a line per campaign.
 
 #include <fmt/format.h>
 
@@ -63,18 +65,23 @@ struct GainSum {
     ++count;
     covered += r.covered() ? 1 : 0;
     if (r.change.same_design) return;
+    ++changed;
     if (!r.change.gain || !r.change.gain->ci90) {
       ++unstated;
       return;
     }
-    ++changed;
     covered_changed += r.covered() ? 1 : 0;
     stated += r.change.gain->value;
     truth += r.true_gain;
     half_width += 0.5 * ((*r.change.gain->ci90)[1] - (*r.change.gain->ci90)[0]);
   }
+  void fail() {
+    ++count;
+    ++changed;
+    ++failed;
+  }
   void print(const std::string& name) const {
-    const double n = 0.01 * std::max(changed, 1);
+    const double n = 0.01 * std::max(changed - unstated - failed, 1);
     fmt::print("{:<44} {:5} {:7} {} {} {:9.4f} {:9.4f} {:9.4f}{}{}\n", name, count, changed,
                benchmarks::share(covered_changed, changed), benchmarks::share(covered, count),
                stated / n, truth / n, half_width / n,
@@ -116,7 +123,8 @@ std::vector<wide_rig::FirstDesign> first_designs() {
 PROGRAM(redesign_gain)(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
   const std::string prefix = argc > 2 ? argv[2] : "";
-  const bool rows = argc > 3;
+  const std::size_t first = argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 1;
+  const bool rows = argc > 4;
   const auto specs = first_designs();
   fmt::print("{:<44} {:>5} {:>7} {:>19} {:>19} {:>9} {:>9} {:>9}\n", "law", "runs", "changed",
              "covered of changed", "covered of all", "stated", "true", "half");
@@ -128,7 +136,7 @@ PROGRAM(redesign_gain)(int argc, char** argv) {
     std::vector<std::string> errors(results.size());
     numerics::parallel_for(results.size(), [&](std::size_t k) {
       try {
-        results[k] = wide_rig::redesigned(specs[k % specs.size()], law, k + 1);
+        results[k] = wide_rig::redesigned(specs[k % specs.size()], law, first + k);
       } catch (const std::exception& error) {
         errors[k] = error.what();
       }
@@ -136,14 +144,14 @@ PROGRAM(redesign_gain)(int argc, char** argv) {
     GainSum sum;
     for (std::size_t k = 0; k < results.size(); ++k) {
       if (!errors[k].empty()) {
-        ++sum.failed;
-        ++all.failed;
-        fmt::print("    seed {}: {}\n", k + 1, errors[k]);
+        sum.fail();
+        all.fail();
+        fmt::print("    seed {}: {}\n", first + k, errors[k]);
         continue;
       }
       sum.add(results[k]);
       all.add(results[k]);
-      if (rows) print_row(k + 1, results[k]);
+      if (rows) print_row(first + k, results[k]);
     }
     sum.print(name);
   }

@@ -333,7 +333,6 @@ Score score(const Campaign& campaign) {
   }
   if (unknown) {
     score.right = d.remainder.significant;
-    score.wrong_name = !d.effects.empty() && !d.remainder.significant;
     score.disclosed = true;
     score.verdict_fits = d.verdict == calibrate::Verdict::kUnexplained;
   } else {
