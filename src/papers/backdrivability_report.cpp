@@ -38,7 +38,7 @@ std::string laws_table(const std::vector<ScalingLaw>& laws) {
       fitted += fmt::format("{}{} +-{}", fitted.empty() ? "" : ", ", fixed(f.exponent, 2),
                             fixed(f.band, 2));
     }
-    table.add({law.quantity, over, law.data, fmt::format("{}", law.points.size()), law.source,
+    table.add({law.quantity, over, law.data, fmt::format("{}", law.frames), law.source,
                exponents_text(law, &ScalingFactor::paper),
                exponents_text(law, &ScalingFactor::equations), fitted,
                "x" + fixed(std::exp(law.scatter), 2)});
@@ -150,7 +150,8 @@ io::Json law_json(const ScalingLaw& law) {
           {"quantity", law.quantity},
           {"source", law.source},
           {"table", law.data},
-          {"frames", law.points.size()},
+          {"frames", law.frames},
+          {"rows", law.points.size()},
           {"series", law.series.size()},
           {"factors", list_json(law.factors,
                                 [](const ScalingFactor& f) {

@@ -137,12 +137,13 @@ void read_planetary(ScalingTables& tables) {
     const auto field = [&](const char* column) { return table.text(row, column).value_or(""); };
     const std::string series = field("manufacturer") + ", " + field("stages") + " stages";
     const double torque = required(table, row, "intermittent_torque_nm");
+    std::array<std::string, 4> key{series, field("mass_kg"), field("continuous_torque_nm"),
+                                   field("intermittent_torque_nm")};
     tables.planetary.push_back({.series = series,
                                 .ratio = required(table, row, "ratio"),
                                 .input_inertia_kgm2 = required(table, row, "input_inertia_kgm2"),
-                                .torque_Nm = torque});
-    std::array<std::string, 4> key{series, field("mass_kg"), field("continuous_torque_nm"),
-                                   field("intermittent_torque_nm")};
+                                .torque_Nm = torque,
+                                .frame = fmt::format("{}", fmt::join(key, "; "))});
     if (std::ranges::find(keys, key) != keys.end()) continue;
     keys.push_back(std::move(key));
     tables.planetary_frames.push_back(

@@ -66,6 +66,37 @@ Inverse inverse_of(double s11, double s12, double s22, bool two) {
   return {.a11 = s22 / determinant, .a12 = -s12 / determinant, .a22 = s11 / determinant};
 }
 
+/// Sums of residual times deviation of each factor, by frame.
+class FrameScores {
+ public:
+  void add(const std::string& frame, double of_first, double of_second) {
+    const auto at = frame.empty() ? names_.end() : std::ranges::find(names_, frame);
+    const auto k = static_cast<std::size_t>(at - names_.begin());
+    if (at == names_.end()) {
+      names_.push_back(frame);
+      sums_.push_back({});
+    }
+    sums_[k][0] += of_first;
+    sums_[k][1] += of_second;
+  }
+  [[nodiscard]] std::size_t frames() const { return sums_.size(); }
+  /// Diagonal of factor A⁻¹ Σ g gᵀ A⁻¹.
+  [[nodiscard]] std::array<double, 2> variances(const Inverse& a, double factor) const {
+    std::array<double, 2> result{};
+    for (const auto& g : sums_) {
+      const double first = a.a11 * g[0] + a.a12 * g[1];
+      const double second = a.a12 * g[0] + a.a22 * g[1];
+      result[0] += factor * first * first;
+      result[1] += factor * second * second;
+    }
+    return result;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::array<double, 2>> sums_;
+};
+
 }  // namespace
 
 void fit(ScalingLaw& law) {
@@ -94,19 +125,29 @@ void fit(ScalingLaw& law) {
   const std::array<double, 2> exponent{inverse.a11 * sums[0][1] + inverse.a12 * sums[0][2],
                                        inverse.a12 * sums[0][1] + inverse.a22 * sums[0][2]};
   double squares = 0.0;
+  FrameScores scores;
   for (const ScalingPoint& p : law.points) {
     const Logarithms logs = logarithms_of(p);
     const Logarithms& mean = means[series_of(law, p.series)].mean;
+    const std::array<double, 2> of_factors{logs[1] - mean[1], logs[2] - mean[2]};
     const double rest =
-        logs[0] - mean[0] - exponent[0] * (logs[1] - mean[1]) - exponent[1] * (logs[2] - mean[2]);
+        logs[0] - mean[0] - exponent[0] * of_factors[0] - exponent[1] * of_factors[1];
     squares += rest * rest;
+    scores.add(p.frame, rest * of_factors[0], rest * of_factors[1]);
   }
   law.scatter = std::sqrt(squares / freedom);
-  const double quantile = numerics::student_quantile(0.975, freedom);
-  const std::array<double, 2> variance{inverse.a11, inverse.a22};
+  law.frames = scores.frames();
+  const bool alone = law.frames == law.points.size();
+  const auto frames = static_cast<double>(law.frames);
+  const auto points = static_cast<double>(law.points.size());
+  const double quantile = numerics::student_quantile(0.975, alone ? freedom : frames - 1.0);
+  const std::array<double, 2> variance =
+      alone ? std::array{law.scatter * law.scatter * inverse.a11,
+                         law.scatter * law.scatter * inverse.a22}
+            : scores.variances(inverse, frames / (frames - 1.0) * (points - 1.0) / freedom);
   for (std::size_t k = 0; k < factors; ++k) {
     law.factors[k].exponent = exponent[k];
-    law.factors[k].band = quantile * law.scatter * std::sqrt(variance[k]);
+    law.factors[k].band = quantile * std::sqrt(variance[k]);
   }
   for (std::size_t k = 0; k < means.size(); ++k) {
     const Logarithms& mean = means[k].mean;
@@ -209,7 +250,8 @@ void append_planetary(const ScalingTables& tables, std::vector<ScalingLaw>& laws
   for (const PlanetaryGearbox& p : tables.planetary) {
     inertia.points.push_back({.series = p.series,
                               .y = p.ratio * p.ratio * p.input_inertia_kgm2,
-                              .x = {p.torque_Nm, p.ratio}});
+                              .x = {p.torque_Nm, p.ratio},
+                              .frame = p.frame});
   }
   laws.push_back(std::move(torque));
   laws.push_back(std::move(inertia));

@@ -12,6 +12,7 @@ struct ScalingPoint {
   std::string series;
   double y = 0.0;
   std::vector<double> x{};  ///< one or two factors, > 0
+  std::string frame{};      ///< rows of one frame are not independent; empty: a frame of its own
 };
 
 /// A factor of a law with the exponents that the paper and its corrected equations give it.
@@ -32,6 +33,7 @@ struct ScalingLaw {
     double intercept;  ///< ln y = intercept + Σ exponent ln x
   };
   std::vector<Series> series{};  ///< in the order of their first points
+  std::size_t frames = 0;        ///< of the points, those that are independent
   double scatter = 0.0;          ///< standard deviation of ln y about the law
   std::vector<ScalingPoint> points{};
 };
@@ -41,8 +43,14 @@ struct ScalingLaw {
 ///   ln y = b_series + Σ_k e_k ln x_k,  least squares;  band = t_{0.975, ν} s_k,
 ///   ν = points − series − factors
 ///
+/// Where frames have several points, s_k by frame: with d the deviations of ln x from their means
+/// of the series, r the residuals, A = Σ d dᵀ, G frames, n points and p = series + factors,
+///
+///   s² = G/(G − 1) (n − 1)/(n − p) A⁻¹ Σ_frames g gᵀ A⁻¹,  g = Σ_frame d r,  ν = G − 1
+///
 /// Source: linear regression with common slopes, own derivation: deviations from the means of the
-/// series leave the slopes' normal equations.
+/// series leave the slopes' normal equations; the covariance that heeds clusters is White's of sums
+/// over them.
 /// Valid: one or two factors.
 /// @throws std::invalid_argument for other numbers of factors, without a degree of freedom, or
 ///         where the factors do not vary independently
@@ -64,6 +72,7 @@ struct PlanetaryFrame {
 struct PlanetaryGearbox {
   std::string series;
   double ratio, input_inertia_kgm2, torque_Nm;  ///< torque: intermittent
+  std::string frame;                            ///< the same of all its ratios
 };
 struct StrainWaveFrame {
   /// Torque: rated.
