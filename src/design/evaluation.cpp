@@ -10,6 +10,7 @@
 #include "backlash/normal_backlash.hpp"
 #include "design/elastic_windup.hpp"
 #include "design/evaluation_parts.hpp"
+#include "design/friction_range.hpp"
 #include "design/mass_model.hpp"
 #include "design/measured_lost_motion.hpp"
 #include "design/rated_gearbox.hpp"
@@ -319,6 +320,9 @@ inertia::DirectionalEfficiencies<double> add_meshes(const DrawnTrain& drawn, Eva
   e.operation = operation_result(lossy, drawn.design);
   const auto mu = mesh_frictions(lossy, e.operation);
   note_operation(e.operation, e.notes);
+  if (e.operation) {
+    std::ranges::copy(friction_range_notes(lossy, *e.operation), std::back_inserter(e.notes));
+  }
   inertia::DirectionalEfficiencies<double> eta{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];

@@ -71,7 +71,7 @@ std::optional<T> schlenk_friction(const FrictionAtTemperature<T>& at, const Mesh
 }
 
 template <class T>
-std::optional<T> unbounded_friction(const FrictionAtTemperature<T>& at, const MeshState<T>& state) {
+std::optional<T> friction_by_law(const FrictionAtTemperature<T>& at, const MeshState<T>& state) {
   const Friction<T>& f = *at.friction;
   switch (f.law) {
     case FrictionLaw::kConstant:
@@ -180,23 +180,40 @@ FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const BentBy& 
   return at;
 }
 
+namespace {
+
 template <class T>
-std::optional<T> friction_coefficient(const FrictionAtTemperature<T>& at,
-                                      const MeshState<T>& state) {
-  std::optional<T> mu = unbounded_friction(at, state);
+std::optional<T> uncut_friction(const FrictionAtTemperature<T>& at, const MeshState<T>& state) {
+  std::optional<T> mu = friction_by_law(at, state);
   if (!mu) return mu;
   const FrictionExtension<T>& e = at.friction->extension;
   const T& torque = e.share_is_of_force ? state.own_torque_Nm : state.ring2_torque_Nm;
   const T& load = e.load_is_torque ? torque : state.normal_force_N;
   const T factor = friction_factor(e, at.bent, load, state.sliding_speed_m_s, state.temperature_K,
                                    state.forward);
-  mu = smaller(T(*mu * factor), constant<T>(kGreatestFriction));
+  mu = T(*mu * factor);
+  return mu;
+}
+
+}  // namespace
+
+template <class T>
+std::optional<T> friction_coefficient(const FrictionAtTemperature<T>& at,
+                                      const MeshState<T>& state) {
+  std::optional<T> mu = uncut_friction(at, state);
+  if (mu) mu = smaller(*mu, constant<T>(kGreatestFriction));
   return mu;
 }
 
 template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state) {
   return friction_coefficient(friction_at(friction, state.temperature_K), state);
+}
+
+template <class T>
+std::optional<T> uncut_friction_coefficient(const Friction<T>& friction,
+                                            const MeshState<T>& state) {
+  return uncut_friction(friction_at(friction, state.temperature_K), state);
 }
 
 #define INSTANTIATE(T)                                                                           \
@@ -206,7 +223,8 @@ std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshSta
   template FrictionAtTemperature<T> friction_at<T>(const Friction<T>&, const BentBy&, const T&); \
   template std::optional<T> friction_coefficient<T>(const FrictionAtTemperature<T>&,             \
                                                     const MeshState<T>&);                        \
-  template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
+  template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);    \
+  template std::optional<T> uncut_friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 INSTANTIATE(JetTorque)
 #undef INSTANTIATE

@@ -25,6 +25,11 @@ inline constexpr std::array<std::string_view, 5> kFrictionLawNames{"constant", "
 /// leave the range of Coulomb friction.
 inline constexpr double kGreatestFriction = 1.0;
 
+/// Below these kSchlenk extrapolates, friction_coefficient(): normal force over face width, sum of
+/// the flanks' speeds at the pitch point.
+inline constexpr double kSchlenkLeastLineLoad_N_m = 100e3;
+inline constexpr double kSchlenkLeastSumSpeed_m_s = 1.0;
+
 /// Kinematic viscosity at two temperatures, and density.
 template <class T>
 struct Lubricant {
@@ -144,10 +149,15 @@ constexpr bool reads_coefficient(FrictionLaw law) {
 /// ISO/TR 14179-2 (Schlenk), constants as in cfernandesFEUP/Gear-Calculation, GearC/contact.py,
 /// commit 02d9129, and in a second published loss calculation, docs/theory §25.
 /// Valid: schlenk is a fit to industrial gears at some 100 N/mm and above 1 m/s; small and slow
-/// gears extrapolate it, and its scatter is not stated by the sources.
+/// gears extrapolate it (design/friction_range.hpp says so), and its scatter is not stated by the
+/// sources.
 /// @returns μ; empty where the law has none: schlenk at rest, load_power with n < 0 without load
 template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state);
+
+/// The same as the law and the extension have it, also above kGreatestFriction.
+template <class T>
+std::optional<T> uncut_friction_coefficient(const Friction<T>& friction, const MeshState<T>& state);
 
 /// A friction and what it has in common in all states of one temperature.
 template <class T>
