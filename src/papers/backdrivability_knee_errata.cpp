@@ -130,7 +130,7 @@ LedgerEntry references_erratum(const BackdrivabilityStatements& s) {
 // --- the stride
 
 LedgerEntry negative_power_erratum(const KneeRun& run) {
-  std::vector<Figure> figures{{"given by the knee", "J", run.duty.negative_J, 2}};
+  std::vector<Figure> figures{{"given back by the load", "J", run.duty.negative_J, 2}};
   if (run.duty.shares) {
     figures.push_back(
         {"while the mesh is driven backward", "%", percent(run.duty.shares->backdriven), 1});
@@ -141,7 +141,7 @@ LedgerEntry negative_power_erratum(const KneeRun& run) {
           .paper = "negative power means that the actuator is backdriven",
           .finding =
               "its drag and inertia come first: the mesh turns round only where the load "
-              "exceeds them. Of what the knee gives, corrected numbers",
+              "exceeds them. Of what the load gives back, corrected numbers",
           .figures = std::move(figures)};
 }
 
@@ -185,7 +185,7 @@ LedgerEntry regeneration_erratum(const BackdrivabilityStatements& s, const KneeE
   for (const KneeRun& run : knee.runs) {
     figures.push_back({"regenerated, " + run.name, "J", run.duty.regenerated_J, 2});
   }
-  figures.push_back({"of", "J", knee.runs.front().duty.negative_J, 2});
+  figures.push_back({"of what the load gives back", "J", knee.runs.front().duty.negative_J, 2});
   return {
       .where = "Sec. 4.1, Fig. 11: III to VIII",
       .paper = "the torque is not enough to overcome friction: no regeneration",
@@ -198,7 +198,7 @@ LedgerEntry regeneration_erratum(const BackdrivabilityStatements& s, const KneeE
 LedgerEntry magnitude_erratum(const KneeExample& knee) {
   const double peak = std::max(knee.peak_power_W, -knee.least_power_W);
   std::vector<Figure> figures{{"largest power of the knee", "W", peak, 1},
-                              {"its work", "J", knee.runs.front().duty.positive_J, 2}};
+                              {"its work on the load", "J", knee.runs.front().duty.positive_J, 2}};
   for (const KneeRun& run : knee.runs) {
     figures.push_back({"electrical, " + run.name, "W", run.peak_electrical_W, 0});
     figures.push_back({"drawn, " + run.name, "J", run.duty.drawn_J, 1});

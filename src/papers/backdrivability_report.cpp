@@ -91,7 +91,8 @@ std::string knee_table(const KneeExample& knee) {
   const actuator::DutyCycle& d = knee.runs.front().duty;
   return fmt::format(
              "  Its knee actuator over a stride of {:g} s (J; electrical power in W; shares of "
-             "what the load gives)\n  the knee: {} N m, {} to {} W, gives {} J, takes {} J\n",
+             "what the load gives back)\n  the knee: {} N m, {} to {} W; its load takes {} J and "
+             "gives back {} J\n",
              d.period_s, fixed(knee.peak_torque_Nm, 1), fixed(knee.least_power_W, 1),
              fixed(knee.peak_power_W, 1), fixed(d.positive_J, 2), fixed(d.negative_J, 2)) +
          table.text(4) + saved_text(knee);
