@@ -1,6 +1,7 @@
 #include "sweep/atlas.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -59,24 +60,35 @@ const char* planet_colour(int planets) {
   return kColours[static_cast<std::size_t>(planets) % kColours.size()];
 }
 
-/// The published 3K gearboxes with a measured backward efficiency, as data and labels.
-std::string published_script() {
+/// Size of the atlas's gearboxes: the greatest diameter of their rings' roots.
+constexpr double kSize_mm = 76.0;
+
+/// A published 3K gearbox with a measured backward efficiency.
+struct Published {
+  std::string key;  ///< what the figure's key says of it
+  double ratio, eta_percent, backlash_arcmin, diameter_mm;
+};
+std::vector<Published> published_gearboxes() {
   const io::CsvTable table =
       io::parse_csv(std::string(papers::published_prototypes_csv()), "published_3k_prototypes.csv");
-  std::string data = "$published << EOD\n";
+  std::vector<Published> gearboxes;
   for (const io::CsvTable::Row& row : table.rows) {
-    const auto teeth = table.number(row, "zS");
-    const auto ratio = table.number(row, "ratio_stated");
-    const auto eta = table.number(row, "bwd_eff_pct");
-    if (!teeth || !ratio || !eta) continue;
+    const auto number = [&](const char* column) { return table.number(row, column); };
+    const auto ratio = number("ratio_stated");
+    const auto eta = number("bwd_eff_pct");
+    const auto backlash_arcmin = number("backlash_arcmin");
+    const auto diameter_mm = number("diameter_mm");
+    if (!number("zS") || !ratio || !eta || !backlash_arcmin || !diameter_mm) continue;
     std::string name = *table.text(row, "design");
     std::ranges::replace(name, '_', ' ');
-    data +=
-        fmt::format("{} {} \"{}, {:g} arcmin, {:g} mm\"\n", report::exact(*ratio),
-                    report::exact(*eta), name, table.number(row, "backlash_arcmin").value_or(0.0),
-                    table.number(row, "diameter_mm").value_or(0.0));
+    gearboxes.push_back({.key = fmt::format("measured: {}, {:g} arcmin, {:g} mm", name,
+                                            *backlash_arcmin, *diameter_mm),
+                         .ratio = *ratio,
+                         .eta_percent = *eta,
+                         .backlash_arcmin = *backlash_arcmin,
+                         .diameter_mm = *diameter_mm});
   }
-  return data + "EOD\n";
+  return gearboxes;
 }
 
 }  // namespace
@@ -195,50 +207,64 @@ std::string atlas_task(const AtlasQuestion& question) {
                      question.ratio, question.ratio, task_of(task).spec);
 }
 
+namespace {
+
+/// Data of the tasks with so many planets and this friction; a task without a design, or with one
+/// that cannot be driven backwards, has no point.
+std::string atlas_data(double limit_arcmin, int planets, double friction) {
+  std::string data;
+  for (const AtlasPoint& point : atlas()) {
+    if (point.planets != planets || point.friction != friction ||
+        point.backlash_arcmin != limit_arcmin || !point.best || !(point.best->eta_b > 0.0)) {
+      continue;
+    }
+    data += fmt::format("{} {}\n", report::exact(point.ratio_target),
+                        report::exact(100.0 * point.best->eta_b));
+  }
+  return data;
+}
+
+/// The tasks as points: between two of them lies nothing, other tooth sets are the best there.
+std::string atlas_script(double limit_arcmin) {
+  std::string script = report::plot_prologue(820, 520);
+  script += fmt::format(
+      "set title {}\nset xlabel 'ratio'\nset ylabel 'backward efficiency (%)'\nset logscale x\n"
+      "set xrange [18:330]\nset yrange [0:100]\nset xtics (20, 30, 50, 100, 200, 300)\n"
+      "set grid lc rgb '#e0e0e0'\nset key left bottom Left reverse\n",
+      report::plot_text(
+          fmt::format("3K gearboxes of {:g} mm for 20 N m, at most {:g} arcmin of lost motion",
+                      kSize_mm, limit_arcmin)));
+  std::vector<std::string> layers;
+  const auto add = [&](const std::string& data, const std::string& look, const std::string& key) {
+    if (data.empty()) return;
+    const std::string name = fmt::format("$d{}", layers.size());
+    script += fmt::format("{} << EOD\n{}EOD\n", name, data);
+    layers.push_back(
+        fmt::format("{} using 1:2 with points {} title {}", name, look, report::plot_text(key)));
+  };
+  for (const int planets : atlas_values(&AtlasPoint::planets)) {
+    for (const double friction : atlas_values(&AtlasPoint::friction)) {
+      const bool first = friction == atlas_values(&AtlasPoint::friction).front();
+      add(atlas_data(limit_arcmin, planets, friction),
+          fmt::format("pt {} ps 0.8 lw 1.6 lc rgb '{}'", first ? 7 : 6, planet_colour(planets)),
+          fmt::format("{} planets, friction {:g}", planets, friction));
+    }
+  }
+  for (const Published& p : published_gearboxes()) {
+    if (p.backlash_arcmin > limit_arcmin || p.diameter_mm > kSize_mm) continue;
+    add(fmt::format("{} {}\n", report::exact(p.ratio), report::exact(p.eta_percent)),
+        "pt 2 ps 1.2 lw 2 lc rgb '#202020'", p.key);
+  }
+  return script + fmt::format("plot {}\n", fmt::join(layers, ", \\\n  "));
+}
+
+}  // namespace
+
 std::vector<report::Plot> atlas_plots() {
   std::vector<report::Plot> plots;
   for (const double limit : atlas_values(&AtlasPoint::backlash_arcmin)) {
-    std::string script = report::plot_prologue(820, 520);
-    script += fmt::format(
-        "set title {}\nset xlabel 'ratio'\nset ylabel 'backward efficiency (%)'\nset logscale x\n"
-        "set xrange [18:330]\nset yrange [0:100]\nset xtics (20, 30, 50, 100, 200, 300)\n"
-        "set grid lc rgb '#e0e0e0'\nset key left bottom\n",
-        report::plot_text(fmt::format(
-            "3K gearboxes of 76 mm for 20 N m, at most {:g} arcmin of lost motion", limit)));
-    script += published_script();
-    std::string lines;
-    for (const int planets : atlas_values(&AtlasPoint::planets)) {
-      for (const double friction : atlas_values(&AtlasPoint::friction)) {
-        const std::string name = fmt::format("$p{}_{:.0f}", planets, 1000.0 * friction);
-        script += name + " << EOD\n";
-        std::size_t count = 0;
-        for (const AtlasPoint& point : atlas()) {
-          if (point.planets != planets || point.friction != friction ||
-              point.backlash_arcmin != limit) {
-            continue;
-          }
-          // A gap where there is no design, or one that cannot be driven backwards.
-          const bool driven = point.best && point.best->eta_b > 0.0;
-          script += driven ? fmt::format("{} {}\n", report::exact(point.ratio_target),
-                                         report::exact(100.0 * point.best->eta_b))
-                           : "\n";
-          count += driven ? 1 : 0;
-        }
-        script += "EOD\n";
-        if (count == 0) continue;
-        const bool first = friction == atlas_values(&AtlasPoint::friction).front();
-        lines += fmt::format(
-            "{}{} using 1:2 with linespoints pt 7 ps 0.4 lw 1.6 dt {} lc rgb '{}' "
-            "title {}",
-            lines.empty() ? "plot " : ", \\\n  ", name, first ? 1 : 2, planet_colour(planets),
-            report::plot_text(fmt::format("{} planets, friction {:g}", planets, friction)));
-      }
-    }
-    script += lines +
-              ", \\\n  $published using 1:2 with points pt 2 ps 1.2 lw 2 lc rgb '#202020' title "
-              "'published, measured', \\\n  $published using 1:2:3 with labels left offset 1,0 "
-              "font ',11' notitle\n";
-    plots.push_back({.name = fmt::format("atlas_{:g}_arcmin", limit), .script = std::move(script)});
+    plots.push_back(
+        {.name = fmt::format("atlas_{:g}_arcmin", limit), .script = atlas_script(limit)});
   }
   return plots;
 }

@@ -56,8 +56,9 @@ Rows atlas_rows(const std::vector<AtlasPoint>& points);
 /// said otherwise at the planets, limit and friction of the point with most backward efficiency.
 std::string atlas_task(const AtlasQuestion& question);
 
-/// Backward efficiency over the ratio, a figure for each limit of lost motion, lines for planets
-/// and frictions; the published 3K gearboxes, measured, as points.
+/// Backward efficiency over the ratio, a figure for each limit of lost motion, a point for each
+/// task, looks for planets and frictions; the published 3K gearboxes that keep the figure's limit
+/// and size, measured.
 std::vector<report::Plot> atlas_plots();
 
 }  // namespace gear3k::sweep

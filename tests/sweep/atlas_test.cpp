@@ -1,6 +1,10 @@
 #include "sweep/atlas.hpp"
 
 #include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "io/text/csv_table.hpp"
 #include "tests/sweep/small_sweep.hpp"
@@ -115,6 +119,40 @@ TEST(Atlas, TaskHasWhatWasAskedForItself) {
       sweep::atlas_task({.ratio = 43.0, .backlash_arcmin = 7.0, .friction = 0.12});
   for (const char* line : {"target = 43", "max_output_arcmin = 7", "coefficient = 0.12"}) {
     EXPECT_NE(task.find(line), std::string::npos) << task;
+  }
+}
+
+// The low-backlash prototype has 7.1 arcmin and 76 mm, the bilateral drive gear 24 arcmin and 94
+// mm.
+TEST(Atlas, FiguresHaveNoPublishedGearboxThatBreaksTheirLimitsAndJoinNoTasks) {
+  const std::map<std::string, bool> has_low_backlash{
+      {"atlas_5_arcmin", false}, {"atlas_8_arcmin", true}, {"atlas_20_arcmin", true}};
+  const std::vector<report::Plot> plots = sweep::atlas_plots();
+  ASSERT_EQ(plots.size(), has_low_backlash.size());
+  for (const report::Plot& plot : plots) {
+    const auto has = [&](const char* words) {
+      return plot.script.find(words) != std::string::npos;
+    };
+    EXPECT_EQ(has("title 'measured: low backlash proposed, 7.1 arcmin, 76 mm'"),
+              has_low_backlash.at(plot.name))
+        << plot.script;
+    EXPECT_FALSE(has("bilateral"));
+    EXPECT_FALSE(has("lines")) << plot.script;
+    EXPECT_FALSE(has("labels"));
+    // As many points as tasks whose best can be driven backwards, and the measured one.
+    std::size_t driven = has_low_backlash.at(plot.name) ? 1 : 0;
+    for (const AtlasPoint& point : sweep::atlas()) {
+      const bool of_figure =
+          plot.name ==
+          "atlas_" + std::to_string(static_cast<int>(point.backlash_arcmin)) + "_arcmin";
+      driven += of_figure && point.best->eta_b > 0.0 ? 1 : 0;
+    }
+    std::size_t rows = 0;
+    std::istringstream lines(plot.script);
+    for (std::string line; std::getline(lines, line);) {
+      rows += line.find_first_not_of("0123456789. e-") == std::string::npos ? 1 : 0;
+    }
+    EXPECT_EQ(rows, driven);
   }
 }
 
