@@ -165,6 +165,14 @@ bool mostly_beyond(const BuiltSeries& series) {
   return series.limit_rad && series.result.beyond_limit.value > 0.5;
 }
 
+/// Whether each tolerance costs yield when it is halved, but for those that change nothing: the
+/// middle is where no tolerance can mend it.
+bool tightening_harms(const backlash::ToleranceShares& s) {
+  const auto gain = [](const ToleranceShare& share) { return share.halved.yield_gain.value; };
+  return std::ranges::any_of(s.sources, [&](const auto& share) { return gain(share) < 0.0; }) &&
+         std::ranges::none_of(s.sources, [&](const auto& share) { return gain(share) > 0.0; });
+}
+
 std::string tighten_text(const BuiltSeries& series) {
   const backlash::ToleranceShares& s = series.shares;
   if (s.sources.empty()) return "";
@@ -184,10 +192,11 @@ std::string tighten_text(const BuiltSeries& series) {
                fmt::format("+-{:.2f}", arcmin(series.result.worst.share_rad[i]))});
   }
   return fmt::format(
-             "\nWhich tolerance to tighten first ({} gearboxes; as stated: yield {}, jam {}, 99 % "
+             "\nWhich tolerance to tighten first{} ({} gearboxes; as stated: yield {}, jam {}, 99 "
+             "% "
              "of those that assemble keep {:.2f} arcmin)\n",
-             s.samples, share_text(s.yield), share_text(s.jam_probability),
-             arcmin(s.quantile_99_rad)) +
+             tightening_harms(s) ? ": none helps, the mean has to be moved" : "", s.samples,
+             share_text(s.yield), share_text(s.jam_probability), arcmin(s.quantile_99_rad)) +
          table.text(2) +
          "  +- of gain and jam: one standard error; halved: half as wide about the middle of its "
          "limits; limits: half\n  width, radius of a circle, or arc on P2's base circle; variance: "
@@ -434,7 +443,11 @@ Plot tolerance_shares_plot(const std::string& name, const BuiltSeries& series) {
       "set multiplot layout 1,2 margins 0.22,0.97,0.12,0.93 spacing 0.05 title {}\nset style fill "
       "solid 0.8 noborder\nset boxwidth 0.7\n"
       "set yrange [0.4:{}.6]\nunset key\n",
-      plot_text(fmt::format("{}: which tolerance to tighten first", name)), order.size());
+      plot_text(fmt::format("{}: {}", name,
+                            tightening_harms(series.shares)
+                                ? "to tighten a tolerance does not help, the mean has to be moved"
+                                : "which tolerance to tighten first")),
+      order.size());
   if (rows.empty()) return {.name = "tolerances", .script = text + "unset multiplot\n"};
   text += fmt::format(
       "$rows << EOD\n{}EOD\n"

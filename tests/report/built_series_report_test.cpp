@@ -191,6 +191,30 @@ TEST(YieldTable, NamesEveryTolerance) {
   }
 }
 
+TEST(YieldTable, WhereEveryToleranceCostsYieldTheMeanHasToBeMoved) {
+  BuiltSeries series = usual();
+  const auto told = [&] {
+    return built_series_table(series) + tolerance_shares_plot("gear", series).script;
+  };
+  const auto all_gain = [&](double gain) {
+    for (auto& source : series.shares.sources) source.halved.yield_gain.value = gain;
+  };
+  constexpr const char* kTable = "tighten first: none helps, the mean has to be moved (";
+  constexpr const char* kFigure = "gear: to tighten a tolerance does not help, the mean has to be";
+  all_gain(-0.02);
+  EXPECT_TRUE(contains(told(), kTable)) << told();
+  EXPECT_TRUE(contains(told(), kFigure)) << told();
+  // Nor does one that changes nothing help.
+  series.shares.sources[1].halved.yield_gain.value = 0.0;
+  EXPECT_TRUE(contains(told(), kTable));
+  // One that helps is the one to begin with; where nothing changes nothing has to be moved.
+  series.shares.sources[1].halved.yield_gain.value = 0.001;
+  EXPECT_FALSE(contains(told(), "has to be moved")) << told();
+  all_gain(0.0);
+  EXPECT_FALSE(contains(told(), "has to be moved")) << told();
+  EXPECT_TRUE(contains(told(), "which tolerance to tighten first"));
+}
+
 TEST(HistogramCsv, CountsEveryGearboxThatAssemblesOnce) {
   const io::CsvTable table = io::parse_csv(lost_motion_histogram_csv(usual()), "lost_motion.csv");
   EXPECT_EQ(table.header, (std::vector<std::string>{"from_arcmin", "to_arcmin", "gearboxes"}));
