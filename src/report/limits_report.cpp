@@ -35,11 +35,40 @@ bool is_told(const design::Limits& limits, const design::CheckRecord& r) {
   return of_preset && (has_preset(limits) || bare);
 }
 
+/// Whether such a thing has the check at all: a pair has no planets, bodies or walls, and what is
+/// of rings only with a ring.
+bool has_check(const LimitsSubject& subject, const design::CheckRecord& r) {
+  if (!subject.pair) return true;
+  switch (r.scope) {
+    case design::CheckScope::kWalledGear:
+    case design::CheckScope::kSun:
+    case design::CheckScope::kPlanetStep:
+    case design::CheckScope::kBodyPair:
+    case design::CheckScope::kTrain:
+    case design::CheckScope::kSizedTrain:
+    case design::CheckScope::kPlanetBearing:
+    case design::CheckScope::kPlanetPin:
+    case design::CheckScope::kThermalMesh:
+    case design::CheckScope::kThermalMember:
+    case design::CheckScope::kThermalTrain:
+      return false;
+    case design::CheckScope::kRing:
+    case design::CheckScope::kInternalMesh:
+      return subject.ring;
+    case design::CheckScope::kCutRing:
+      return subject.ring_cutter;
+    default:
+      return true;
+  }
+}
+
 /// Other checks with a threshold whose limit is 0: met without any reserve.
-std::vector<std::string_view> limits_at_zero(const design::Limits& limits) {
+std::vector<std::string_view> limits_at_zero(const design::Limits& limits,
+                                             const LimitsSubject& subject) {
   std::vector<std::string_view> names;
   for (const design::CheckRecord& r : design::check_records()) {
-    if (r.threshold && !r.rating && !is_told(limits, r) && limits[r.id] == 0.0) {
+    if (r.threshold && !r.rating && has_check(subject, r) && !is_told(limits, r) &&
+        limits[r.id] == 0.0) {
       names.push_back(r.name);
     }
   }
@@ -65,7 +94,8 @@ std::vector<std::string_view> limits_off(const design::Limits& limits,
   std::vector<std::string_view> names;
   for (const design::CheckRecord& r : design::check_records()) {
     const bool own_key = r.id == design::CheckId::kIdenticalPlanets;
-    if (!limits[r.id] && !own_key && !is_told(limits, r) && applies(r, subject)) {
+    if (!limits[r.id] && !own_key && has_check(subject, r) && !is_told(limits, r) &&
+        applies(r, subject)) {
       names.push_back(r.name);
     }
   }
@@ -86,6 +116,7 @@ LimitsSubject limits_subject(const design::Design& design) {
 
 LimitsSubject limits_subject(const design::PairDesign& design) {
   return {.pair = true,
+          .ring = design.gear2.kind == geometry::GearKind::kRing,
           .rated = design.rating.has_value(),
           .ring_cutter = design.gear2.cutter.teeth > 0};
 }
@@ -102,12 +133,14 @@ std::string limits_line(const design::Limits& limits, const LimitsSubject& subje
   std::vector<std::string> preset, stated, bare;
   for (const design::PresetLimit& of_preset : design::preset_limits()) {
     const design::CheckRecord& r = design::check_record(of_preset.check);
+    if (!has_check(subject, r)) continue;
     const auto& limit = limits[r.id];
     const auto usual = limits.preset ? design::preset_limit(*limits.preset, r.id) : std::nullopt;
     (limit == usual ? preset : stated).push_back(limit_with_unit(r, limit));
   }
   for (const design::CheckId id : limits.bare) {
-    bare.push_back(limit_with_unit(design::check_record(id), limits[id]));
+    const design::CheckRecord& r = design::check_record(id);
+    if (has_check(subject, r)) bare.push_back(limit_with_unit(r, limits[id]));
   }
   for (std::size_t mesh = 0; mesh < limits.mesh_backlash_m.size(); ++mesh) {
     if (const auto& least = limits.mesh_backlash_m[mesh]) {
@@ -115,7 +148,7 @@ std::string limits_line(const design::Limits& limits, const LimitsSubject& subje
                                    units::decimal_from_si(*least, units::Unit::kMicrometre)));
     }
   }
-  const auto zero = limits_at_zero(limits);
+  const auto zero = limits_at_zero(limits, subject);
   const auto off = limits_off(limits, subject);
   std::string rest = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
   if (!off.empty()) rest += fmt::format("; off: {}", fmt::join(off, ", "));
@@ -130,9 +163,10 @@ std::string limits_line(const design::Limits& limits, const LimitsSubject& subje
     return fmt::format("Limits: {}; {}{}\n", limits.preset ? "preset bare" : "no preset", named,
                        rest);
   }
+  const std::string of_preset =
+      preset.empty() ? "none of its own" : fmt::format("{}", fmt::join(preset, ", "));
   return fmt::format("Limits: preset {}: {}{}{}{}\n",
-                     design::kPresetNames[static_cast<std::size_t>(*limits.preset)],
-                     fmt::join(preset, ", "),
+                     design::kPresetNames[static_cast<std::size_t>(*limits.preset)], of_preset,
                      stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), rest);
 }
 
@@ -181,7 +215,7 @@ io::Json limits_json(const design::Limits& limits, const LimitsSubject& subject)
                          : io::Json(nullptr)},
           {"of_preset", std::move(of_preset)},
           {"bare", std::move(bare)},
-          {"at_zero", limits_at_zero(limits)},
+          {"at_zero", limits_at_zero(limits, subject)},
           {"off", limits_off(limits, subject)},
           {"normal_backlash_of_mesh", std::move(of_mesh)},
           {"in_force", std::move(in_force)}};

@@ -14,6 +14,7 @@ namespace gear3k::report {
 /// What checks apply to, besides what every design has.
 struct LimitsSubject {
   bool pair = false;
+  bool ring = true;          ///< of a pair: gear 2 is one
   bool thermal = false;      ///< temperatures are stated
   bool rated = false;        ///< a load is
   bool ring_cutter = false;  ///< of some ring

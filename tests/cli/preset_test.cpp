@@ -272,5 +272,66 @@ TEST(BadLimits, OfAWorkshopAreToldAllAtOnceWithWhatIsMeant) {
   }
 }
 
+/// The line of limits of what a command prints, unbroken.
+std::string limits_told(const std::string& out) {
+  const std::size_t from = out.find("\nLimits: ");
+  if (from == std::string::npos) return "";
+  std::string line = out.substr(from + 1);
+  for (std::size_t at = 0; (at = line.find("\n    ", at)) != std::string::npos;) {
+    line.replace(at, 5, " ");
+  }
+  return line.substr(0, line.find('\n'));
+}
+
+// The checks that the results list are the witness.
+TEST(Preset, APairIsToldTheLimitsOfItsOwnChecksAlone) {
+  for (const char* kind : {"external", "internal"}) {
+    const bool ring = std::string(kind) == "internal";
+    Workplace place;
+    place.write("pair.toml", std::string("preset = \"printed\"\nkind = \"") + kind +
+                                 "\"\nmodule_mm = 1.0\n[gear1]\nteeth = 20\n[gear2]\nteeth = " +
+                                 (ring ? "61" : "30") + "\n");
+    const ProgramResult told = place.run({"mesh", "pair.toml"});
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    const std::string line = limits_told(told.out);
+    ASSERT_NE(line.find("preset printed: "), std::string::npos) << told.out;
+    const json result = json::parse(place.run({"mesh", "pair.toml", "--format", "json"}).out);
+    std::size_t found = 0;
+    for (const char* name :
+         {"tip_thickness", "ring_tip_thickness", "form_circle", "root_clearance",
+          "trochoid_interference", "planet_gap", "contact_ratio_min", "normal_backlash",
+          "tip_thickness_length", "root_clearance_length", "specific_sliding", "wall", "body_gap",
+          "ring_cutter", "ring_tip_outside_base", "tip_fouling", "undercut"}) {
+      const auto& checks = result.at("checks");
+      const bool checked = std::any_of(checks.begin(), checks.end(),
+                                       [&](const json& check) { return check.at("name") == name; });
+      const std::string words = std::string(" ") + name;
+      const bool is_told = line.find(words + " ") != std::string::npos ||
+                           line.find(words + ",") != std::string::npos ||
+                           line.find(words + ";") != std::string::npos || line.ends_with(words);
+      EXPECT_TRUE(checked || !is_told) << kind << ' ' << name << ": " << line;
+      found += is_told ? 1 : 0;
+    }
+    EXPECT_GT(found, 5U) << line;
+    EXPECT_EQ(line.find("planet_gap"), std::string::npos) << line;
+    EXPECT_EQ(line.find("trochoid_interference") != std::string::npos, ring) << line;
+  }
+}
+
+TEST(Preset, AllOfWhoseLimitsAreStatedHasNoneOfItsOwn) {
+  Workplace place;
+  place.write("pair.toml",
+              "preset = \"machined\"\nkind = \"external\"\nmodule_mm = 1.0\n[gear1]\nteeth = "
+              "20\n[gear2]\nteeth = 30\n[backlash]\nmin_normal_um = 1.0\n"
+              "[contact_ratio]\nrange = [1.05, 3.0]\n[limits]\ntip_thickness = 0.1\nform_circle = 0.01\n"
+              "root_clearance = 0.02\ntip_thickness_mm = 0.03\nroot_clearance_mm = 0.04\n"
+              "specific_sliding = 4.0\n");
+  const ProgramResult told = place.run({"mesh", "pair.toml"});
+  const std::string line = limits_told(told.out);
+  EXPECT_NE(line.find("Limits: preset machined: none of its own; stated instead: "),
+            std::string::npos)
+      << line << told.err;
+}
+
 }  // namespace
 }  // namespace gear3k::preset_cli_test
