@@ -280,6 +280,12 @@ void take_active_root(std::optional<double>& known, std::optional<double> other,
   }
 }
 
+/// In micrometres, 0 where it is the rounding of positions of some 0.1 m.
+double play_um(double backlash_m) {
+  constexpr double kRounding_m = 1e-15;
+  return std::abs(backlash_m) < kRounding_m ? 0.0 : um(backlash_m);
+}
+
 /// The play of a mesh as drawn, to be felt when gear and mate are together.
 /// @param built_m  with its limits; null without tolerances
 Characteristic backlash_row(std::string_view mate, double normal_backlash_m,
@@ -289,13 +295,13 @@ Characteristic backlash_row(std::string_view mate, double normal_backlash_m,
       .name = fmt::format("normal backlash with {}", mate),
       .symbol = "j_bn",
       .unit = "um",
-      .nominal = um(normal_backlash_m),
+      .nominal = play_um(normal_backlash_m),
       .lower = {},
       .upper = {},
       .note = fmt::format("as drawn, centre distance {:.4f} mm", mm(center_distance_m))};
   if (built_m != nullptr && built_m->least < built_m->greatest) {
-    row.lower = um(built_m->least);
-    row.upper = um(built_m->greatest);
+    row.lower = play_um(built_m->least);
+    row.upper = play_um(built_m->greatest);
   }
   return row;
 }

@@ -33,7 +33,10 @@ struct ComparedQuantity {
   std::vector<std::optional<double>> values;  ///< by design
 
   /// Sums of positive parts have no rounding of their own.
-  [[nodiscard]] double rounding() const { return unit.starts_with("kg") ? 0.0 : kNegligible; }
+  [[nodiscard]] double rounding() const {
+    if (unit.starts_with("kg")) return 0.0;
+    return unit == "um" ? kNegligible_um : kNegligible;
+  }
   [[nodiscard]] bool alike() const {
     const std::optional<double>& first = values.front();
     return std::ranges::all_of(values, [&](const std::optional<double>& value) {

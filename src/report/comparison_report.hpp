@@ -18,8 +18,9 @@ struct ComparedDesign {
 };
 
 /// Two values of a quantity are alike where they differ by no more than this share of the larger
-/// one or, except of masses and inertia, by what is rounding in every other unit of a report.
-inline constexpr double kAlikeShare = 1e-9, kNegligible = 1e-11;
+/// one or, except of masses and inertia, by what is rounding in every other unit of a report; in
+/// micrometres that of positions of some 0.1 m is more.
+inline constexpr double kAlikeShare = 1e-9, kNegligible = 1e-11, kNegligible_um = 1e-9;
 
 /// What differs and matters most; of two designs the last column is the change from the first one,
 /// where both values are positive and it is less than tenfold.

@@ -208,6 +208,21 @@ TEST(InspectionSheet, HasThePlayOfEveryMesh) {
   }
 }
 
+TEST(InspectionSheet, HasNoPlayThatIsTheRoundingOfPositions) {
+  const design::Design design = io::read_design(kExamples + "designs/bilateral_drive_gear.toml");
+  auto e = std::get<design::Evaluation>(design::evaluate(design));
+  for (auto& mesh : e.meshes) mesh.normal_backlash_m = -4.33680868994e-19;
+  int meshes = 0;
+  for (const InspectionSheet& sheet : drawing::inspection_sheets(design, e)) {
+    for (const Characteristic& row : sheet.rows) {
+      if (row.symbol != "j_bn") continue;
+      EXPECT_EQ(*row.nominal, 0.0);
+      ++meshes;
+    }
+  }
+  EXPECT_GE(meshes, 3);
+}
+
 TEST(InspectionSheet, WithoutTolerancesHasNominalValuesAndSaysSo) {
   for (const InspectionSheet& sheet : train_sheets("bilateral_drive_gear.toml")) {
     for (const Characteristic& row : sheet.rows) {

@@ -154,6 +154,20 @@ TEST(Comparison, ShowsNoNegativeMarginOfACheckThatPasses) {
   EXPECT_EQ(text.find("e-1", margins), std::string::npos) << text.substr(margins);
 }
 
+TEST(Comparison, ShowsNoBacklashThatIsTheRoundingOfPositions) {
+  std::vector<ComparedDesign> two{compared(example("loaded.toml"), "a"),
+                                  compared(example("loaded.toml"), "b")};
+  two[0].evaluation.meshes[1].normal_backlash_m = 1.38778e-17;
+  two[1].evaluation.meshes[1].normal_backlash_m = 12e-6;
+  const std::string text = comparison_table(two);
+  const std::size_t row = text.find("normal backlash");
+  ASSERT_NE(row, std::string::npos) << text;
+  const std::string line = text.substr(row, text.find('\n', row) - row);
+  EXPECT_EQ(line.find("e-"), std::string::npos) << line;
+  EXPECT_NE(line.find(" 0 "), std::string::npos) << line;
+  EXPECT_NE(line.find(" 12"), std::string::npos) << line;
+}
+
 TEST(Comparison, KeepsAPlaceForWhatADesignLacks) {
   const std::vector<ComparedDesign> two{compared(example("bilateral_drive_gear.toml"), "bare"),
                                         compared(example("loaded.toml"), "loaded, 20 N m")};
