@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -225,19 +226,34 @@ class SectionMaker {
           {.x_m = body->low.x_m, .y_m = y}, {.x_m = body->high.x_m, .y_m = y}, line);
   }
 
+  /// The widths of two gears in one row, or in one beyond the other where their texts would run
+  /// together.
+  /// @param step  to the next row
+  /// @returns the last row
+  double widths(std::size_t gear1, std::size_t gear2, double row, double step) {
+    const auto dimension = [&](std::size_t back) -> const Dimension& {
+      return drawing_.dimensions[drawing_.dimensions.size() - back];
+    };
+    width(gear1, row);
+    width(gear2, row);
+    const auto middle = [](const Dimension& d) { return 0.5 * (d.from.x_m + d.to.x_m); };
+    const double between = std::abs(middle(dimension(1)) - middle(dimension(2)));
+    // A letter is some 0.62 of its height wide; two between the texts.
+    const auto letters =
+        static_cast<double>(dimension(1).text.size() + dimension(2).text.size()) / 2.0 + 2.0;
+    if (between >= 0.62 * letters * drawing_.text_height_m) return row;
+    drawing_.dimensions.back().line_m = row + step;
+    return row + step;
+  }
+
   void add_axial_dimensions() {
     const double h = drawing_.text_height_m;
-    above_ = high_.y_m + 2.5 * h;
-    width(kR1, above_);
-    width(kR2, above_);
-    above_ += 2.5 * h;
+    above_ = widths(kR1, kR2, high_.y_m + 2.5 * h, 2.5 * h) + 2.5 * h;
     along("length", fmt::format("{:.3f}", mm(high_.x_m - low_.x_m)),
           {.x_m = low_.x_m, .y_m = high_.y_m}, {.x_m = high_.x_m, .y_m = high_.y_m}, above_);
     below_ = -2.5 * h;
     width(kS, below_);
-    below_ -= 2.5 * h;
-    width(kP1, below_);
-    width(kP2, below_);
+    below_ = widths(kP1, kP2, below_ - 2.5 * h, -2.5 * h);
     std::string places;
     for (const SectionBody& body : drawing_.bodies) {
       places += fmt::format("{}{} {:.3f} to {:.3f}", places.empty() ? "" : ", ", body.name,

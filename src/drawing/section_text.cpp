@@ -191,9 +191,12 @@ class SectionSvg {
     return fmt::format(R"( stroke-dasharray="{} {}")", svg_millimetres(mm(on * height_)),
                        svg_millimetres(mm(off * height_)));
   }
-  void add_text(const std::string& words, const Point& at, double size, const std::string& more) {
-    add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="#202020"{}>{}</text>)", x(at.x_m),
-                    y(at.y_m), svg_millimetres(mm(size * height_)), more, xml_text(words)));
+  void add_text(const std::string& words, const Point& at, double size, const char* more,
+                bool up = false) {
+    add(fmt::format(
+        R"(<text {} fill="#202020"{}>{}</text>)",
+        svg_text_place(mm(at.x_m - corner_.x_m), mm(corner_.y_m - at.y_m), mm(size * height_), up),
+        more, xml_text(words)));
   }
   [[nodiscard]] const std::string& text() const { return text_; }
 
@@ -208,12 +211,8 @@ void add_dimension(SectionSvg& svg, const Dimension& dimension, double height) {
   svg.add(fmt::format(R"(<g class="dimension" data-name="{}" data-value="{:.6f}">)",
                       xml_text(dimension.name), mm(dimension.value_m)));
   for (const Stroke& stroke : strokes.strokes) svg.add_line(stroke, "", 0.04);
-  std::string more = R"( text-anchor="middle")";
-  if (strokes.angle_rad != 0.0) {
-    more += fmt::format(R"-( transform="rotate(-90 {} {})")-", svg.x(strokes.text.x_m),
-                        svg.y(strokes.text.y_m));
-  }
-  svg.add_text(dimension.text, strokes.text, 1.0, more);
+  svg.add_text(dimension.text, strokes.text, 1.0, R"( text-anchor="middle")",
+               strokes.angle_rad != 0.0);
   svg.add("</g>");
 }
 

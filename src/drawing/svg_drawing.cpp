@@ -87,8 +87,7 @@ class SvgWriter {
     const char* color = "#202020";
   };
   void add_text(const std::string& words, const TextPlace& place) {
-    add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}">{}</text>)",
-                    svg_millimetres(place.x), svg_millimetres(place.y), svg_millimetres(place.size),
+    add(fmt::format(R"(<text {} fill="{}">{}</text>)", svg_text_place(place.x, place.y, place.size),
                     place.color, xml_text(words)));
   }
 

@@ -589,6 +589,36 @@ TEST(Svg, EscapesTheDesignsName) {
   EXPECT_NE(svg.find("a&lt;b&gt; &amp; \"c\" \xEF\xBF\xBD \xC3\xA4: S"), std::string::npos);
 }
 
+// Renderers draw letters of a twentieth of a unit as crumbs.
+TEST(Svg, LettersOfASmallGearAreLargeAndScaledToTheirPlace) {
+  Case c = standard_case("small", {.S = 20, .P1 = 30, .R1 = 80, .P2 = 28, .R2 = 78}, 4);
+  const std::string usual = svg_text(drawing(drawn(c.design, 1e-6), "train"));
+  for (double& m : c.design.train.module_m) m *= 0.1;
+  c.design.train.center_distance_m *= 0.1;
+  const std::string small = svg_text(drawing(drawn(c.design, 1e-6), "train"));
+  const auto sizes_of = [](const std::string& svg) {
+    std::vector<double> sizes;
+    for (std::size_t at = 0; (at = svg.find("<text ", at)) != std::string::npos; ++at) {
+      const std::string element = svg.substr(at, svg.find('>', at) - at);
+      const auto number = [&](const char* before) {
+        const std::size_t found = element.find(before);
+        if (found == std::string::npos) return 1.0;
+        return std::stod(element.substr(found + std::string(before).size()));
+      };
+      EXPECT_GE(number("font-size=\""), 1.0) << element;
+      sizes.push_back(number("font-size=\"") * number("scale("));
+    }
+    return sizes;
+  };
+  const std::vector<double> usual_mm = sizes_of(usual);
+  const std::vector<double> small_mm = sizes_of(small);
+  ASSERT_EQ(small_mm.size(), usual_mm.size());
+  ASSERT_GT(usual_mm.size(), 5U);
+  for (std::size_t k = 1; k < usual_mm.size(); ++k) {
+    EXPECT_NEAR(small_mm[k], 0.1 * usual_mm[k], 2e-6) << k;
+  }
+}
+
 TEST(Svg, RingIsAnAnnulusToTheOuterDiameterOrTwoAndAHalfModulesAboveTheRoot) {
   Case c = standard_case("ring", {.S = 20, .P1 = 30, .R1 = 80, .P2 = 28, .R2 = 78}, 4);
   c.design.masses.ring2_outer_radius_m = 60e-3;

@@ -13,6 +13,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -173,6 +174,48 @@ TEST(SectionDrawing, NoTextBesideAColumnCrossesItsEnds) {
     }
   }
   EXPECT_GT(texts, 5);
+}
+
+// Short widths of a large gearbox: "R1 8.000R2 6.000" would run together.
+TEST(SectionDrawing, NoTwoTextsOfARowRunTogether) {
+  for (const double narrow : {1.0, 0.3, 0.1}) {
+    std::string axial = "[axial]\n";
+    for (const auto& [name, from, to] :
+         {std::tuple("S", 1.0, 9.0), std::tuple("P1", 0.0, 8.5), std::tuple("R1", 0.5, 8.5),
+          std::tuple("P2", 9.0, 15.5), std::tuple("R2", 9.5, 15.5)}) {
+      axial += std::string(name) + "_mm = [" + std::to_string(narrow * from) + ", " +
+               std::to_string(narrow * to) + "]\n";
+    }
+    const SectionDrawing section = drawn(std::string(kDesign) + axial).section;
+    int pairs = 0;
+    for (const Dimension& a : section.dimensions) {
+      for (const Dimension& b : section.dimensions) {
+        if (&a == &b || !a.along_axis || !b.along_axis || a.line_m != b.line_m) continue;
+        const double apart = std::abs(a.from.x_m + a.to.x_m - b.from.x_m - b.to.x_m) / 2.0;
+        const auto letters = static_cast<double>(a.text.size() + b.text.size());
+        EXPECT_GT(apart, 0.25 * letters * section.text_height_m) << a.text << b.text << narrow;
+        ++pairs;
+      }
+    }
+    if (narrow < 0.5) {
+      EXPECT_EQ(pairs, 0);
+    }
+    // Each stands within the page.
+    for (const Dimension& d : section.dimensions) {
+      if (!d.along_axis) continue;
+      EXPECT_GT(d.line_m, section.low.y_m);
+      EXPECT_LT(d.line_m, section.high.y_m);
+    }
+  }
+  const std::string wide =
+      "[axial]\nS_mm = [1.0, 59.0]\nP1_mm = [0.0, 58.0]\nR1_mm = [0.5, "
+      "58.0]\nP2_mm = [60.0, 120.0]\nR2_mm = [60.5, 120.0]\n";
+  const SectionDrawing section = drawn(std::string(kDesign) + wide).section;
+  const auto line_of = [&](const char* name) {
+    return std::ranges::find(section.dimensions, name, &Dimension::name)->line_m;
+  };
+  EXPECT_EQ(line_of("R1 face width"), line_of("R2 face width"));
+  EXPECT_EQ(line_of("P1 face width"), line_of("P2 face width"));
 }
 
 TEST(SectionDrawing, SvgIsBalancedAndItsBodiesLieWhereTheAxialTableSays) {
