@@ -164,6 +164,7 @@ ScaledDesign scaled_design() {
                       .sizes = {0.5, 0.7, 1.0, 1.4, 2.0, 2.8},
                       .stiffness = {.name = "designed_stiffness",
                                     .quantity = "stiffness",
+                                    .unit = "N m/rad",
                                     .source = "Fig. 8",
                                     .data = whole.name,
                                     .factors = {{.name = "torque", .symbol = "T", .paper = 1.0}}}};

@@ -125,7 +125,7 @@ std::string electrical_script(const KneeExample& knee) {
   text += fmt::format(
       "set multiplot layout 2,1 title 'SHF-17-120 with EC45 flat at a knee of 75 kg'\n"
       "set lmargin 12\nset xrange [0:100]\nset xzeroaxis lc rgb '#404040'\n"
-      "set xlabel 'stride (%)' offset 0,0.6\nset ylabel 'power (W)'\nset key outside bottom center "
+      "set xlabel 'stride (%)' offset 0,0.6\nset ylabel 'power (W)'\nset key outside top center "
       "horizontal\n"
       "plot $corrected using 1:2 with lines lw 2 lc rgb '{0}' title 'mechanical, of the knee', "
       "\\\n  $equations using 1:3 with lines lw 1.5 lc rgb '{1}' title 'electrical, the paper''s "
@@ -157,9 +157,13 @@ std::string law_panel(const ScalingLaw& law, std::size_t number) {
   std::string text = data_block(name.c_str(), rows);
   // A tick for every decade, or every second one where there are many.
   text += fmt::format("set tics {}\n", most > 1e4 * least ? 100 : 10);
-  text += fmt::format("set title {}\nset xrange [{}:{}]\nset yrange [{}:{}]\n",
-                      plot_text(law.quantity + " ~" + exponents), coordinate(least / 1.5),
-                      coordinate(1.5 * most), coordinate(least / 1.5), coordinate(1.5 * most));
+  text += fmt::format(
+      "set title {}\nset xlabel {}\nset ylabel {}\nset xrange [{}:{}]\n"
+      "set yrange [{}:{}]\n",
+      plot_text(law.quantity + " ~" + exponents),
+      plot_text(fmt::format("by the law ({})", law.unit)),
+      plot_text(fmt::format("in the table ({})", law.unit)), coordinate(least / 1.5),
+      coordinate(1.5 * most), coordinate(least / 1.5), coordinate(1.5 * most));
   text += fmt::format(
       "plot x with lines lw 1.5 lc rgb '#404040', x*{0} with lines dt 2 lc rgb '#909090', x/{0} "
       "with lines dt 2 lc rgb '#909090', ${1} using 1:2 with points pt 7 ps 0.35 lc rgb '{2}'\n",
@@ -168,7 +172,7 @@ std::string law_panel(const ScalingLaw& law, std::size_t number) {
 }
 
 std::string scaling_script(const std::vector<ScalingLaw>& laws) {
-  std::string text = plot_prologue(1300, 1100) + kFrame;
+  std::string text = plot_prologue(1300, 1300) + kFrame;
   text +=
       "set multiplot layout 4,3 title 'scaling laws: table over fit, dashed twice the scatter'\n"
       "unset key\nset logscale xy\nset format '%.0e'\nset samples 20\n";

@@ -30,7 +30,7 @@ std::string felt_script(const DirectionalBench& bench) {
   return plot_prologue(1000, 620) + kBenchGrid + named_block("felt", rows) +
          "set title 'felt at the output, over what it is without losses' offset 0,0.3\n"
          "set xtics rotate by -45\nset xlabel 'teeth at the output / on the motor' offset 0,-0.5\n"
-         "set yrange [0.8:1.3]\nset key outside bottom center horizontal\n" +
+         "set yrange [0.8:1.3]\nset key outside top center horizontal\n" +
          fmt::format(
              "set xrange [-0.5:{2} - 0.5]\n"
              "plot $felt using 0:2:xtic(1) with points pt 7 ps 1.2 lc rgb '{1}' title 'inertia "
@@ -102,7 +102,7 @@ std::string braking_script(const DirectionalBench& bench) {
          named_block("fixed", rows_of(bench.braking.fixed)) +
          "set title 'a load sped up and braked; shaded: the mesh drives back'\n"
          "set xlabel 'time (s)'\nset ylabel 'speed at the output (rad/s)'\nset xzeroaxis lc rgb "
-         "'#404040'\nset key outside bottom center horizontal\n"
+         "'#404040'\nset key outside top center horizontal\n"
          "set y2range [0:1]\nunset y2tics\n" +
          fmt::format(
              "plot $directional using 1:3 axes x1y2 with fillsteps fs solid noborder lc rgb "

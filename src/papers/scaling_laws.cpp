@@ -192,16 +192,19 @@ ScalingFactor factor(const char* name, std::optional<double> paper,
 void append_frameless_motors(const std::vector<MotorFrame>& motors, std::vector<ScalingLaw>& laws) {
   ScalingLaw inertia{.name = "motor_inertia",
                      .quantity = "rotor inertia",
+                     .unit = "kg m2",
                      .source = "eq. 23 (eq. 22: L d^3)",
                      .data = kMegaflux,
                      .factors = {factor("diameter", 4.0, {}), factor("length", 1.0, {})}};
   ScalingLaw torque{.name = "motor_torque",
                     .quantity = "continuous torque",
+                    .unit = "N m",
                     .source = "eq. 35 (stall torque)",
                     .data = kMegaflux,
                     .factors = {factor("diameter", 2.5, {}), factor("length", 1.0, {})}};
   ScalingLaw quotient{.name = "motor_torque_per_inertia",
                       .quantity = "torque over inertia",
+                      .unit = "1/s2",
                       .source = "eq. 36 (stall torque)",
                       .data = kMegaflux,
                       .factors = {factor("diameter", -1.5, -1.5), factor("length", 0.0, 0.0)}};
@@ -222,6 +225,7 @@ void append_motor_inertia(const std::vector<MotorFrame>& motors, double paper,
                           std::vector<ScalingLaw>& laws) {
   ScalingLaw all{.name = "motor_inertia_over_torque",
                  .quantity = "rotor inertia",
+                 .unit = "kg m2",
                  .source = "Fig. 9 (2.5 nominal torque)",
                  .data = "motor catalogue",
                  .factors = {factor("torque", paper, kInertiaOverTorque)}};
@@ -235,6 +239,7 @@ void append_planetary(const ScalingTables& tables, std::vector<ScalingLaw>& laws
   // T ~ L d^2 (what eqs. 20 and 27 come from) is T ~ mass at one density.
   ScalingLaw torque{.name = "planetary_torque",
                     .quantity = "intermittent torque",
+                    .unit = "N m",
                     .source = "eqs. 20, 27",
                     .data = "planetary catalogue",
                     .factors = {factor("mass", 1.0, {})}};
@@ -244,6 +249,7 @@ void append_planetary(const ScalingTables& tables, std::vector<ScalingLaw>& laws
   // J/T ~ d^2 i^2 and, for similar shapes, T ~ d^3: J ~ T^(5/3) i^2.
   ScalingLaw inertia{.name = "planetary_inertia",
                      .quantity = "inertia at the output",
+                     .unit = "kg m2",
                      .source = "eq. 27",
                      .data = "planetary catalogue",
                      .factors = {factor("torque", 5.0 / 3.0, {}), factor("ratio", 2.0, {})}};
@@ -271,23 +277,27 @@ void append_strain_waves(const std::vector<StrainWaveFrame>& frames,
   using Frame = StrainWaveFrame;
   add({.name = "strain_wave_torque",
        .quantity = "rated torque",
+       .unit = "N m",
        .source = "eq. 29",
        .factors = {factor("radius", 3.0, {})}},
       &Frame::torque_Nm, &Frame::radius_m);
   // Eq. 25 as printed L d^4, as eq. 18 gives it d^4/L; similar shapes.
   add({.name = "strain_wave_stiffness",
        .quantity = "stiffness K1",
+       .unit = "N m/rad",
        .source = "eq. 25",
        .factors = {factor("radius", 5.0, 3.0)}},
       &Frame::first_stiffness_Nm_rad, &Frame::radius_m);
   add({.name = "strain_wave_last_stiffness",
        .quantity = "stiffness K3",
+       .unit = "N m/rad",
        .source = "eq. 25",
        .factors = {factor("radius", 5.0, 3.0)}},
       &Frame::last_stiffness_Nm_rad, &Frame::radius_m);
   // Eq. 31 as printed K/T ~ L d, corrected d/L; similar shapes have T ~ d^3.
   add({.name = "stiffness_over_torque",
        .quantity = "stiffness K3",
+       .unit = "N m/rad",
        .source = "Fig. 8 (acceleration torque; eq. 31: 5/3)",
        .factors = {factor("torque", 1.0, 1.0)}},
       &Frame::last_stiffness_Nm_rad, &Frame::torque_Nm);

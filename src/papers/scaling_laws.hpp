@@ -25,6 +25,7 @@ struct ScalingFactor {
 struct ScalingLaw {
   std::string name{};      ///< as in files: motor_inertia, ...
   std::string quantity{};  ///< y
+  std::string unit{};      ///< of y
   std::string source{};    ///< where the paper has it
   std::string data{};      ///< what it is fitted to
   std::vector<ScalingFactor> factors{};

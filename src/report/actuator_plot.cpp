@@ -19,7 +19,7 @@ namespace gear3k::report {
 namespace {
 
 constexpr const char* kFrame =
-    "set grid lc rgb '#e0e0e0'\nset key outside bottom center horizontal\nset format '%g'\n";
+    "set grid lc rgb '#e0e0e0'\nset key outside top center horizontal\nset format '%g'\n";
 
 std::string title(const ActuatorResult& result, const std::string& what) {
   const std::string& name = result.actuator.name;

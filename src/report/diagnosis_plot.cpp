@@ -409,7 +409,7 @@ std::string evidence_script(const Diagnosis& d) {
        {.block = "$others", .title = "other", .color = "#aab7c4", .data = {}}}};
   std::vector<std::string> ticks;
   ticks.reserve(bars.size());
-  std::string labels;
+  std::string labels_left, labels_right;  // of bars to the left, to the right
   double least = 0.0;
   double greatest = 0.0;
   for (std::size_t k = 0; k < bars.size(); ++k) {
@@ -419,8 +419,8 @@ std::string evidence_script(const Diagnosis& d) {
         fmt::format("{} {} {} {} {} {}\n", number(0.5 * delta_bic), k,
                     number(std::min(0.0, delta_bic)), number(std::max(0.0, delta_bic)),
                     exact(static_cast<double>(k) - 0.38), exact(static_cast<double>(k) + 0.38));
-    labels +=
-        fmt::format("{} {} \"{}\"\n", number(std::max(0.0, delta_bic)), k, fixed(delta_bic, 1));
+    (delta_bic < 0.0 ? labels_left : labels_right) +=
+        fmt::format("{} {} \"{}\"\n", number(delta_bic), k, fixed(delta_bic, 1));
     ticks.push_back(fmt::format("{} {}", plot_text(id), k));
     least = std::min(least, delta_bic);
     greatest = std::max(greatest, delta_bic);
@@ -433,8 +433,9 @@ std::string evidence_script(const Diagnosis& d) {
       "set yrange [{}:-0.7]\nset xrange [{}:{}]\nset ytics ({})\nset style fill solid 1.0 "
       "noborder\n"
       "set arrow 1 from 0,graph 0 to 0,graph 1 nohead lc rgb '#404040'\n",
-      exact(static_cast<double>(bars.size()) - 0.3), number(least - 0.02 * span),
-      number(greatest + 0.12 * span), fmt::join(ticks, ", "));
+      exact(static_cast<double>(bars.size()) - 0.3),
+      number(least - (least < 0.0 ? 0.12 : 0.02) * span), number(greatest + 0.12 * span),
+      fmt::join(ticks, ", "));
   std::vector<std::string> plots;
   for (const Class& c : classes) {
     if (c.data.empty()) continue;
@@ -443,8 +444,16 @@ std::string evidence_script(const Diagnosis& d) {
         fmt::format("{} using 1:2:3:4:5:6 with boxxyerror fillcolor rgb '{}' title '{}'", c.block,
                     c.color, c.title));
   }
-  text += fmt::format("$labels << EOD\n{}EOD\n", labels);
-  plots.emplace_back("$labels using 1:2:(' '.strcol(3)) with labels left font ',11' notitle");
+  const auto add_labels = [&](const char* block, const std::string& labels, const char* place) {
+    if (labels.empty()) return;
+    text += fmt::format("{} << EOD\n{}EOD\n", block, labels);
+    plots.push_back(
+        fmt::format("{} using 1:2:({}) with labels {} font ',11' notitle", block,
+                    place == std::string_view("left") ? "' '.strcol(3)" : "strcol(3).' '", place));
+  };
+  // Text beside the end of its bar: "left" is how it is aligned, right of the end.
+  add_labels("$labels_right", labels_right, "left");
+  add_labels("$labels_left", labels_left, "right");
   return text + plot_line(plots);
 }
 

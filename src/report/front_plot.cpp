@@ -55,8 +55,17 @@ Plot front_plot(const FrontAxes& front) {
   return {.name = "pareto", .script = script + "unset multiplot\n"};
 }
 
-std::string axis_name(const std::string& title, const std::string& unit) {
-  return unit.empty() ? title : fmt::format("{} ({})", title, unit);
+/// An objective as reports show it: efficiencies and shares, which have no unit, in per cent.
+struct ShownObjective {
+  std::string axis;
+  double per_unit;  ///< SI value of one unit of the axis
+};
+ShownObjective shown_objective(optimize::Objective objective) {
+  const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
+  if (record.unit.empty()) {
+    return {.axis = fmt::format("{} (%)", record.title), .per_unit = 0.01 * record.per_unit};
+  }
+  return {.axis = fmt::format("{} ({})", record.title, record.unit), .per_unit = record.per_unit};
 }
 
 }  // namespace
@@ -68,13 +77,12 @@ Plot pareto_plot(const optimize::Specification& spec, const optimize::ParetoFron
       .names = {},
       .values = {}};
   for (const optimize::Objective objective : spec.objectives) {
-    const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
-    axes.names.push_back(axis_name(std::string(record.title), std::string(record.unit)));
+    axes.names.push_back(shown_objective(objective).axis);
   }
   for (const optimize::ParetoPoint& point : front.points) {
     std::vector<double> values;
     for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
-      values.push_back(point.values[k] / optimize::objective_record(spec.objectives[k]).per_unit);
+      values.push_back(point.values[k] / shown_objective(spec.objectives[k]).per_unit);
     }
     axes.values.push_back(std::move(values));
   }

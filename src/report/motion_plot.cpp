@@ -92,7 +92,7 @@ Plot motion_plot(const MotionResult& result) {
   std::string script = plot_prologue(900, 900);
   script += fmt::format(
       "set multiplot layout 3,1 title {}\nset lmargin 12\nset format '%g'\n"
-      "set xrange [0:{}]\nset xzeroaxis lc rgb '#404040'\nset key outside bottom center "
+      "set xrange [0:{}]\nset xzeroaxis lc rgb '#404040'\nset key outside top center "
       "horizontal\n$motion << EOD\n{}EOD\n{}",
       plot_text(name.empty() ? "motion of the output" : name), exact(result.motion.end.time_s),
       plotted_rows(result), shading(result));

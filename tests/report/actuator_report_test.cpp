@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "io/text/csv_table.hpp"
+#include "io/text/gnuplot.hpp"
+#include "report/actuator_plot.hpp"
 #include "tests/report/all_numbers.hpp"
 
 namespace gear3k::report::actuator_report_test {
@@ -175,6 +180,33 @@ TEST(ActuatorReport, CycleHasEveryNumberByItsName) {
   expect_all_numbers(numbers_of(cycle), numbers_of_cycle(*result.cycle));
   EXPECT_EQ(cycle.at("checks").at(0).at("unit"), "A");
   EXPECT_EQ(cycle.at("checks").at(1).at("unit"), "C");
+}
+
+/// Height on the page of a text of a figure [px].
+double height_of(const std::string& svg, const std::string& words) {
+  const std::size_t text = svg.find(words + "</text>");
+  if (text == std::string::npos) throw std::invalid_argument("no text " + words);
+  const std::size_t place = svg.rfind("translate(", text);
+  return std::stod(svg.substr(svg.find(',', place) + 1));
+}
+
+TEST(ActuatorFigures, NoKeyStandsOverTheTitleOfAnAxis) {
+  EachAnother value;
+  ActuatorResult result;
+  result.cycle = any_cycle(value);
+  actuator::MotorInstant instant{};
+  result.cycle->instants = {instant};
+  instant.time_s = 1.0;
+  instant.electrical_W = 2.0;
+  result.cycle->instants.push_back(instant);
+  const std::vector<ActuatorFigure> figures = actuator_figures(result);
+  ASSERT_EQ(figures.at(0).plot.name, "power");
+  const std::string svg = io::run_gnuplot(figures[0].plot.script);
+  constexpr double kLetter_px = 14.0;
+  for (const char* entry : {"mechanical, to the load", "electrical, into the motor"}) {
+    EXPECT_GT(std::abs(height_of(svg, entry) - height_of(svg, "time (s)")), 1.5 * kLetter_px)
+        << entry;
+  }
 }
 
 TEST(ActuatorReport, WithoutEachCauseHasEveryNumberByItsName) {

@@ -544,6 +544,23 @@ TEST(DiagnosisPlots, AreWellFormedAndTellTheirFacts) {
   EXPECT_TRUE(contains(io::run_gnuplot(plots[2].script), "drag_constant"));
 }
 
+// A label to the right of 0 would lie across its bar, and lose its minus at the axis.
+TEST(DiagnosisPlots, NumbersOfBarsToTheLeftStandLeftOfThem) {
+  const Case c = dragged();  // drag_constant 42.5, friction_level -2
+  const std::string svg = io::run_gnuplot(diagnosis_plots(c.diagnoses, c.sets)[2].script);
+  const auto group_of = [&](const std::string& words) {
+    const std::size_t text = svg.find(words + "</text>");
+    EXPECT_NE(text, std::string::npos) << words;
+    const std::size_t group = svg.rfind("<g transform=\"translate(", text);
+    return svg.substr(group, text - group);
+  };
+  const std::string minus = svg.find(">-2.0 </text>") != std::string::npos ? "-2.0 " : "-2.0";
+  const std::string left = group_of(minus);
+  const std::string right = group_of("42.5");
+  EXPECT_NE(left.find("text-anchor=\"end\""), std::string::npos) << left;
+  EXPECT_NE(right.find("text-anchor=\"start\""), std::string::npos) << right;
+}
+
 TEST(DiagnosisPlots, WithSeveralKindsNamesEndWithTheKind) {
   const Case c = two_kinds();
   const std::vector<Plot> plots = diagnosis_plots(c.diagnoses, c.sets);

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <string_view>
 
 #include "io/files/specification_file.hpp"
+#include "report/front_plot.hpp"
 
 namespace gear3k::report::search_report_test {
 namespace {
@@ -40,6 +42,17 @@ TEST(SearchReport, ObjectivesFollowTheColumnsOfTheFront) {
   const std::string row = text.substr(header.size());
   EXPECT_TRUE(row.starts_with("12,64,141,52,132,failed,,96.5")) << row;
   EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
+}
+
+TEST(SearchReport, AxesOfTheFrontAreInPerCentOrTheirUnit) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency, optimize::Objective::kLostMotion};
+  optimize::ParetoFront front;
+  front.points.push_back({.set = {}, .values = {0.75, std::numbers::pi / 10800.0}});
+  const std::string script = pareto_plot(spec, front).script;
+  EXPECT_NE(script.find("set ylabel 'eta backward (%)'"), std::string::npos) << script;
+  EXPECT_NE(script.find("set xlabel 'lost motion (arcmin)'"), std::string::npos) << script;
+  EXPECT_NE(script.find("\n75 1 \n"), std::string::npos) << script;
 }
 
 TEST(SearchReport, TellsTheBestOfAnObjectiveThatTheTableOfADesignHasNot) {
