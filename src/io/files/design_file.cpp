@@ -322,7 +322,8 @@ std::optional<strength::RatingTask> finish_rating_task(const DesignInput& input,
        .sun_speed_rad_s = point ? std::optional(point->sun_speed_rad_s) : std::nullopt,
        .axial = design.axial,
        .limits = design.limits,
-       .has_pin = design.masses.planet_pin_radius_m.has_value()},
+       .has_pin = design.masses.planet_pin_radius_m.has_value(),
+       .lubricant = design.friction.lubricant},
       reading);
   std::vector<std::string> uncut;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {

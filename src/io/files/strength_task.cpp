@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace gear3k::io {
@@ -225,6 +226,36 @@ void check_planet_limits(const RatedTrainFile& file, FileReading& reading) {
   }
 }
 
+/// One gearbox has one oil: that of friction and that of the flanks, at 40 C.  Beyond the stated
+/// temperatures, where rounded viscosities say less, they are not compared.
+void check_oil(const StrengthInput& input, const efficiency::Lubricant<double>& oil,
+               FileReading& reading) {
+  constexpr const char* kKey = "strength.viscosity40_mm2_s";
+  constexpr double kApart = 0.05;
+  constexpr double k40_K = 273.15 + 40.0;
+  for (const char* key : {kKey, "lubricant.temperature1_c", "lubricant.temperature2_c",
+                          "lubricant.viscosity1_mm2_s", "lubricant.viscosity2_mm2_s"}) {
+    if (!reading.has(key)) return;
+  }
+  constexpr double kDegree = 1e-6;  // of rounding
+  if (!(oil.temperature_K[0] < oil.temperature_K[1]) || oil.temperature_K[0] > k40_K + kDegree ||
+      oil.temperature_K[1] < k40_K - kDegree) {
+    return;
+  }
+  const efficiency::Lubricant<double> of_unit_density{.temperature_K = oil.temperature_K,
+                                                      .viscosity_m2_s = oil.viscosity_m2_s,
+                                                      .density_kgm3 = 1.0};
+  const double by_points = efficiency::dynamic_viscosity(of_unit_density, k40_K);
+  const double stated = input.task.viscosity40_m2_s.value_or(by_points);
+  if (std::abs(stated - by_points) <= kApart * by_points) return;
+  reading.error_at(
+      kKey,
+      fmt::format("{} = {:g}: allowed: within {:g} % of {:.4g}, which [lubricant] says of "
+                  "40 C",
+                  kKey, units::from_si(stated, Unit::kSquareMillimetrePerSecond), 100.0 * kApart,
+                  units::from_si(by_points, Unit::kSquareMillimetrePerSecond)));
+}
+
 RatingTask task_of(const StrengthInput& input, const GearMaterials& materials) {
   RatingTask task = input.task;
   task.material = materials;
@@ -287,6 +318,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   check_wear(materials, gears, reading);
   check_planets(input, file.planets, reading);
   check_mesh_load(input, reading);
+  check_oil(input, file.lubricant, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
   RatingTask task = task_of(input, materials);
   for (const std::size_t stage : {0U, 1U}) {

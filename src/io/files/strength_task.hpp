@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "design/rating_inputs.hpp"
+#include "efficiency/friction_law.hpp"
 #include "geometry/gear.hpp"
 #include "io/keys/strength_keys.hpp"
 #include "train/axial_layout.hpp"
@@ -20,7 +21,8 @@ struct RatedTrainFile {
   std::optional<double> sun_speed_rad_s;
   train::AxialLayout axial;
   design::Limits limits;
-  bool has_pin = false;  ///< inertia.pin_diameter_mm is stated
+  bool has_pin = false;                       ///< inertia.pin_diameter_mm is stated
+  efficiency::Lubricant<double> lubricant{};  ///< of friction; zeros: not stated
 };
 
 /// Materials by gear, where the file states them.

@@ -6,6 +6,8 @@
 #include <array>
 #include <string>
 
+#include "io/keys/temperature_range.hpp"
+
 namespace gear3k::io {
 
 namespace {
@@ -102,7 +104,7 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
   const auto add = [&](KeyRecord record, auto view) {
     keys.push_back(needed_key(FrictionLaw::kSchlenk, std::move(record), view));
   };
-  add(number("friction.roughness_um", Unit::kMicrometre, above(0.0, 100.0), "",
+  add(number("friction.roughness_um", Unit::kMicrometre, within(0.01, 100.0), "",
              "law schlenk: arithmetic mean roughness Ra, mean of both flanks",
              {design::InputKind::kRoughness}),
       of_friction(&Friction::roughness_m));
@@ -112,7 +114,8 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
   for (const std::size_t point : {0U, 1U}) {
     add(
         number(fmt::format("lubricant.temperature{}_c", point + 1), Unit::kCelsius,
-               within(-80.0, 400.0), "", fmt::format("temperature of viscosity{}_mm2_s", point + 1),
+               within(kColdest_C, kHottest_C), "",
+               fmt::format("temperature of viscosity{}_mm2_s", point + 1),
                {design::InputKind::kLubricantTemperature, point}),
         [point](auto& t, std::size_t) -> auto& {
           return t.friction.lubricant.temperature_K[point];
@@ -128,7 +131,7 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
         });
   }
   add(
-      number("lubricant.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 5000.0), "",
+      number("lubricant.density_kg_m3", Unit::kKilogramPerCubicMetre, within(500.0, 2000.0), "",
              "density of the lubricant", {design::InputKind::kLubricantDensity}),
       [](auto& t, std::size_t) -> auto& { return t.friction.lubricant.density_kgm3; });
 }
@@ -199,7 +202,7 @@ void add_point_keys(std::vector<LossKey>& keys) {
              "torque at R2: of the load (forward) or of the drive (backward)",
              {design::InputKind::kOutputTorque}),
       &Point::output_torque_Nm);
-  add(number("operating_point.temperature_c", Unit::kCelsius, within(-80.0, 400.0),
+  add(number("operating_point.temperature_c", Unit::kCelsius, within(kColdest_C, kHottest_C),
              fmt::format("with a point: {:g}", kDefaultTemperature_c),
              "temperature of the lubricant", {design::InputKind::kTemperature}),
       &Point::temperature_K);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "io/keys/temperature_range.hpp"
+
 namespace gear3k::io {
 
 namespace {
@@ -129,11 +131,12 @@ void add_surface_keys(std::vector<StrengthKey>& keys) {
 }
 
 void add_plastic_keys(std::vector<StrengthKey>& keys) {
-  keys.push_back(strength_number("ambient_c", Unit::kCelsius, within(-80.0, 400.0),
+  keys.push_back(strength_number("ambient_c", Unit::kCelsius, within(kColdest_C, kHottest_C),
                                  "with [strength]: 20", "temperature about plastic gears",
                                  of_task(&RatingTask::ambient_K)));
-  keys.push_back(strength_number("tooth_temperature_c", Unit::kCelsius, within(-80.0, 400.0),
-                                 "computed", "temperature of plastic teeth, in place of VDI 2736's",
+  keys.push_back(strength_number("tooth_temperature_c", Unit::kCelsius,
+                                 within(kColdest_C, kHottest_C), "computed",
+                                 "temperature of plastic teeth, in place of VDI 2736's",
                                  of_task(&RatingTask::tooth_temperature_K)));
   keys.push_back(strength_number("duty", Unit::kNone, above(0.0, 1.0), "with [strength]: 1",
                                  "share of the time at work, for the temperature of plastic teeth",
