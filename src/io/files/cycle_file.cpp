@@ -32,7 +32,7 @@ class CycleReader {
       line_ = lines.number();
       if (line.empty()) continue;
       if (line.front() == '#') {
-        torque_note_.read(line.substr(1), complain_);
+        torque_note_.read(line, complain_);
       } else if (!fields_.split(line)) {
         complain_(1, "a quote is left open");
       } else if (columns_.width() == 0) {

@@ -8,6 +8,8 @@
 
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "io/files/temperature_column.hpp"
+#include "io/keys/temperature_range.hpp"
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::io {
@@ -21,7 +23,7 @@ using Column = MeasurementColumn;
 using Type = MeasurementColumn::Type;
 
 constexpr double kRadPerArcmin = calibrate::response_unit(Kind::kLostMotion).si;
-constexpr double kAbsoluteZero_C = -calibrate::kTemperature.shift;
+static_assert(kAbsoluteZero_C == -calibrate::kTemperature.shift);
 constexpr double kFewestPairTeeth = 3, kMostTeeth = 2000;
 constexpr std::string_view kMagnitude =
     " (speeds and torques are magnitudes; direction and rotation give the signs)";
@@ -59,7 +61,8 @@ Column sigma(std::string_view name, std::string_view unit, double factor) {
 void append_circumstances(std::vector<Column>& columns) {
   columns.push_back(condition<calibrate::kTemperature>(false));
   columns.back().min = kAbsoluteZero_C;
-  columns.back().hint = " (absolute zero)";
+  columns.back().max = kHottest_C;
+  columns.back().hint = kTemperatureHint;
   columns.push_back(condition<calibrate::kCycles>(false));
   columns.back().min = 0.0;
   columns.push_back(condition<calibrate::kTime>(false));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "io/files/measurement_columns.hpp"
 #include "io/text/text_lines.hpp"
@@ -14,37 +15,20 @@ namespace {
 
 using calibrate::Kind;
 
-/// A note "# key: word".
-struct Note {
-  std::string_view key, word;
-  int line = 0;
-};
-
-std::optional<Note> note_of(const TextLines& lines) {
-  if (!lines.line().starts_with('#')) return std::nullopt;
-  std::string_view rest = lines.line().substr(1);
-  while (rest.ends_with(',')) rest.remove_suffix(1);  // spreadsheets fill rows up
-  const auto colon = rest.find(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  return Note{.key = trimmed(rest.substr(0, colon)),
-              .word = trimmed(rest.substr(colon + 1)),
-              .line = lines.number()};
-}
-
 /// Of logs of motion, which are read by themselves.
 const std::string kMotionKind = "dynamic";
 
 /// Which of these words a note says; -1 where it is none of them.
 /// @param elsewhere  a word that other files of the command say; "" for none
 template <class Words>
-int choice(const Note& note, const Words& words, Complaints& complaints,
+int choice(const HeaderNote& note, const Words& words, Complaints& complaints,
            const std::string& elsewhere = "") {
   for (std::size_t k = 0; k < words.size(); ++k) {
     if (words[k] == note.word) return static_cast<int>(k);
   }
   std::vector<std::string> known(words.begin(), words.end());
   if (!elsewhere.empty()) known.push_back(elsewhere);
-  const std::string near = closest_word(std::string(note.word), known);
+  const std::string near = closest_word(note.word, known);
   complaints.add(
       {.line = note.line, .column = 1},
       fmt::format("# {}: {}: allowed: {}{}", note.key, note.word, fmt::join(known, " or "),
@@ -52,29 +36,23 @@ int choice(const Note& note, const Words& words, Complaints& complaints,
   return -1;
 }
 
-void read_kind(const Note& note, MeasurementNotes& notes, Complaints& complaints) {
-  const int k = choice(note, calibrate::kKindNames, complaints, kMotionKind);
+void read_kind(const HeaderNote& note, MeasurementNotes& notes, Complaints& complaints) {
   notes.kind_stated = true;
-  if (k < 0) return;
-  const auto kind = static_cast<Kind>(k);
-  if (notes.kind && *notes.kind != kind) {
+  if (note.word == kMotionKind) {
+    // Above the header, and without another kind before it, it makes a file a log.
     complaints.add({.line = note.line, .column = 1},
-                   fmt::format("# kind: {}: the kind was {} before, allowed: one kind", note.word,
-                               calibrate::kKindNames[static_cast<std::size_t>(*notes.kind)]));
+                   fmt::format("# kind: {}: allowed: above the header", note.word));
+    return;
   }
-  notes.kind = kind;
+  const int k = choice(note, calibrate::kKindNames, complaints, kMotionKind);
+  if (k < 0) return;
+  notes.kind = static_cast<Kind>(k);
 }
 
-void read_unit(const Note& note, MeasurementNotes& notes, Complaints& complaints) {
+void read_unit(const HeaderNote& note, MeasurementNotes& notes, Complaints& complaints) {
   if (note.word.empty()) {
     complaints.add({.line = note.line, .column = 1},
                    "# unit: is blank, allowed: the name of the gearbox that was measured");
-  } else if (!notes.unit.empty() && notes.unit != note.word) {
-    complaints.add({.line = note.line, .column = 1},
-                   fmt::format("# unit: {}: the unit was {} in line {}, allowed: one gearbox in a "
-                               "file",
-                               note.word, notes.unit, notes.unit_line));
-    return;
   }
   notes.unit = note.word;
   notes.unit_line = note.line;
@@ -94,9 +72,10 @@ MeasurementNotes read_notes(std::string_view text, Complaints& complaints) {
   MeasurementNotes notes;
   TextLines lines(text);
   while (lines.next()) {
-    const std::optional<Note> note = note_of(lines);
+    const auto note = notes.header.read(lines.line(), lines.number(), [&](std::string message) {
+      complaints.add({.line = lines.number(), .column = 1}, std::move(message));
+    });
     if (!note) continue;
-    notes.keys.emplace_back(note->key);
     if (note->key == "kind") {
       read_kind(*note, notes, complaints);
     } else if (note->key == "locked") {
@@ -114,14 +93,21 @@ MeasurementNotes read_notes(std::string_view text, Complaints& complaints) {
   return notes;
 }
 
+KindNotes notes_of(Kind kind) {
+  KindNotes notes{.kind = calibrate::kKindNames[static_cast<std::size_t>(kind)],
+                  .keys = {"kind", "unit", "sensor", "runs"}};
+  if (kind == Kind::kTorqueAngle || kind == Kind::kLostMotion) notes.keys.emplace_back("locked");
+  return notes;
+}
+
 void check_notes(const MeasurementNotes& notes, const std::vector<std::string>& columns,
                  Complaints& complaints) {
   if (!notes.kind) {
-    if (notes.kind_stated) return;
+    if (notes.kind_stated || notes.header.slipped("kind")) return;
     std::string message =
         fmt::format("the note \"# kind: ...\" is missing, allowed: {}, {} (of an ACTUATOR)",
                     fmt::join(calibrate::kKindNames, ", "), kMotionKind);
-    const std::string near = closest_word("kind", notes.keys);
+    const std::string near = notes.header.nearest_unknown("kind");
     if (!near.empty()) {
       message += fmt::format("; \"# {}:\" was meant?", near);
     } else {
@@ -133,11 +119,13 @@ void check_notes(const MeasurementNotes& notes, const std::vector<std::string>& 
     complaints.add({}, message);
     return;
   }
-  if (*notes.kind == Kind::kTorqueAngle && notes.locked_line == 0) {
+  if (*notes.kind == Kind::kTorqueAngle && notes.locked_line == 0 &&
+      !notes.header.slipped("locked")) {
     complaints.add({},
                    "the note \"# locked: ...\" is missing, allowed: sun (measured at the "
                    "output) or output (measured at the sun)");
   }
+  notes.header.refuse_others(notes_of(*notes.kind), complaints);
   if (*notes.kind == Kind::kLostMotion && !notes.sun_locked.value_or(true)) {
     complaints.add({.line = notes.locked_line, .column = 1},
                    "# locked: output: allowed: sun (lost motion is measured at the output)");

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/measurement/left_out_rows.hpp"
 #include "calibrate/measurement/sensor_limit.hpp"
 #include "io/files/document_kind.hpp"
@@ -16,6 +17,7 @@
 #include "io/files/measurement_header.hpp"
 #include "io/files/measurement_repetitions.hpp"
 #include "io/files/measurement_time.hpp"
+#include "io/files/temperature_column.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/printable.hpp"
 #include "io/text/text_lines.hpp"
@@ -102,8 +104,14 @@ class RowReader {
     }
   }
 
-  /// Notes the columns that the kind does not name and that are no covariates.
+  /// Notes the columns that the kind does not name and that are no covariates, and comments that
+  /// look like notes or columns.
   void note_ignored() {
+    std::vector<std::string> known, names;
+    for (const Column& c : columns_of(file_.set.kind)) known.emplace_back(c.name);
+    for (const ColumnContent& c : columns_) names.push_back(c.name());
+    for (const std::string& text : file_.notes.header.idle(notes_of(file_.set.kind), known, names))
+      note(text);
     for (const ColumnContent& c : columns_) {
       if (c.column() != nullptr) continue;
       if (c.first_text_line > 0) {
@@ -282,6 +290,16 @@ class RowReader {
   std::vector<std::string> missing_shown_;
 };
 
+void note_kelvin(MeasurementText& file) {
+  TemperatureSpan span;
+  for (const Observation& o : file.set.rows) {
+    if (std::isnan(o.condition.temperature_K)) continue;
+    span.add(calibrate::kTemperature.written(o.condition.temperature_K));
+  }
+  const auto doubt = span.doubt();
+  if (doubt) file.set.notes.push_back(fmt::format("{}: {}", file.set.files[0], *doubt));
+}
+
 void read_rows(std::string_view text, const MeasurementHeader& header, MeasurementText& file) {
   RowReader reader(file, header);
   reader.read(text);
@@ -293,6 +311,7 @@ void read_rows(std::string_view text, const MeasurementHeader& header, Measureme
     file.complaints.add({}, *refusal);
   }
   reader.note_ignored();
+  note_kelvin(file);
 }
 
 /// What a text looks like that is no measurement but another file of ours; "" where it is none.

@@ -10,6 +10,9 @@
 #include <optional>
 #include <utility>
 
+#include "io/files/header_notes.hpp"
+#include "io/files/temperature_column.hpp"
+#include "io/keys/temperature_range.hpp"
 #include "io/text/complaints.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/file_reader.hpp"
@@ -44,8 +47,10 @@ enum LogColumn : std::size_t {
 constexpr std::array<std::string_view, kLogColumnCount> kLogColumns{
     "time_s",          "speed_rad_s",      "angle_rad",       "motor_torque_nm",
     "motor_current_a", "output_torque_nm", "motor_angle_rad", "motor_speed_rad_s"};
-// Named by the contract and not needed here.
+// Named by the contract and not needed here, but for its range.
 constexpr std::string_view kTemperatureColumn = "temperature_c", kRunColumn = "run";
+
+const KindNotes kLogNotes{.kind = "dynamic", .keys = {"kind", "torque", "load_inertia_kgm2"}};
 
 struct LogNotes {
   bool dynamic = false, other_kind = false, of_actuator = false;
@@ -59,30 +64,20 @@ struct LogRows {
 
 struct LogFile {
   Complaints complaints;
+  HeaderNotes header{kLogNotes.keys};
   LogNotes notes;
   std::array<std::optional<std::size_t>, kLogColumnCount> place{};
-  std::optional<std::size_t> run_place{};
-  std::vector<std::string> ignored;
+  std::optional<std::size_t> run_place{}, temperature_place{};
+  TemperatureSpan temperature;
+  std::vector<std::string> names, ignored;  ///< of columns: all, and those not used
   std::size_t fields = 0;
   int header_line = 0;
   LogRows rows;
 };
 
-struct LogNote {
-  std::string_view key, word;
-};
-std::optional<LogNote> log_note(std::string_view line) {
-  if (!line.starts_with('#')) return std::nullopt;
-  std::string_view rest = line.substr(1);
-  while (rest.ends_with(',')) rest.remove_suffix(1);
-  const auto colon = rest.find(':');
-  if (colon == std::string_view::npos) return std::nullopt;
-  return LogNote{.key = trimmed(rest.substr(0, colon)), .word = trimmed(rest.substr(colon + 1))};
-}
-
-void read_log_note(const LogNote& note, int line, LogFile& file) {
+void read_log_note(const HeaderNote& note, LogFile& file) {
   const auto wrong = [&](std::string_view allowed) {
-    file.complaints.add({.line = line, .column = 1},
+    file.complaints.add({.line = note.line, .column = 1},
                         fmt::format("# {}: {}: allowed: {}", note.key, note.word, allowed));
   };
   if (note.key == "kind") {
@@ -117,9 +112,12 @@ void read_log_header(std::string_view line, int number, LogFile& file) {
   }
   for (std::size_t k = 0; k < file.fields; ++k) {
     const std::string name(trimmed(fields.values()[k]));
+    file.names.push_back(name);
     const auto* const at = std::ranges::find(kLogColumns, name);
     if (name == kRunColumn) {
       file.run_place = k;
+    } else if (name == kTemperatureColumn) {
+      file.temperature_place = k;
     } else if (at != kLogColumns.end()) {
       auto& place = file.place.at(static_cast<std::size_t>(at - kLogColumns.begin()));
       if (place) {
@@ -127,7 +125,7 @@ void read_log_header(std::string_view line, int number, LogFile& file) {
                             fmt::format("column {} is there twice, allowed: once", name));
       }
       place = k;
-    } else if (name != kTemperatureColumn) {
+    } else {
       file.ignored.push_back(name);
       const std::string near = closest_word(name, {kLogColumns.begin(), kLogColumns.end()});
       if (!near.empty()) file.ignored.back() += fmt::format(" ({} was meant?)", near);
@@ -149,6 +147,23 @@ void read_log_header(std::string_view line, int number, LogFile& file) {
   if (lacks(kLogMotorTorque, kLogMotorCurrent)) missing("motor_torque_nm or motor_current_a");
 }
 
+/// Of a temperature only its range is looked at, where it is a number.  @returns false beyond it
+bool read_temperature(const CsvFields& fields, int line, LogFile& file) {
+  if (!file.temperature_place) return true;
+  const std::string_view field = trimmed(fields.values()[*file.temperature_place]);
+  const std::optional<double> value = csv_number(field);
+  if (!value || std::isnan(*value)) return true;
+  if (*value >= kAbsoluteZero_C && *value <= kHottest_C) {
+    file.temperature.add(*value);
+    return true;
+  }
+  file.complaints.add({.line = line, .column = fields.column(*file.temperature_place)}, [&] {
+    return fmt::format("{} = \"{}\": allowed: a number, {} to {}{}", kTemperatureColumn, field,
+                       kAbsoluteZero_C, kHottest_C, kTemperatureHint);
+  });
+  return false;
+}
+
 /// Takes a row, or says what is wrong with it.
 void read_log_row(const CsvFields& fields, int line, LogFile& file,
                   std::vector<std::string>& labels) {
@@ -167,6 +182,7 @@ void read_log_row(const CsvFields& fields, int line, LogFile& file,
       row.at(c) = *value;
     }
   }
+  right = read_temperature(fields, line, file) && right;
   int run = 0;
   if (file.run_place) {
     const std::string_view label = trimmed(fields.values()[*file.run_place]);
@@ -201,11 +217,12 @@ LogFile read_log(std::string_view text) {
   while (lines.next()) {
     const std::string_view line = lines.line();
     if (line.empty()) continue;
-    if (const auto note = log_note(line)) {
-      read_log_note(*note, lines.number(), file);
+    if (line.front() == '#') {
+      const auto note = file.header.read(line, lines.number(), [&](std::string message) {
+        file.complaints.add({.line = lines.number(), .column = 1}, std::move(message));
+      });
+      if (note) read_log_note(*note, file);
       if (file.notes.other_kind) return file;
-    } else if (line.front() == '#') {
-      continue;
     } else if (file.header_line == 0) {
       read_log_header(line, lines.number(), file);
       if (!file.complaints.none()) break;
@@ -219,6 +236,7 @@ LogFile read_log(std::string_view text) {
       read_log_row(fields, lines.number(), file, labels);
     }
   }
+  file.header.refuse_others(kLogNotes, file.complaints);
   if (!file.notes.dynamic && file.complaints.none()) {
     file.complaints.add({},
                         "the note \"# kind: dynamic\" is missing, as another file of the same "
@@ -365,6 +383,13 @@ void add_sample(const LogFile& file, std::size_t before, std::size_t k, const Mo
   }
 }
 
+/// Columns that are used.
+std::vector<std::string> log_names() {
+  std::vector<std::string> names(kLogColumns.begin(), kLogColumns.end());
+  names.emplace_back(kRunColumn);
+  return names;
+}
+
 void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale,
              calibrate::MotionRecord& record) {
   const LogRows& rows = file.rows;
@@ -429,6 +454,12 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
         "no window goes across",
         path, gaps, gaps == 1 ? "gap" : "gaps", kLogGap, step, first_gap));
   }
+  if (const auto doubt = file.temperature.doubt()) {
+    record.notes.push_back(fmt::format("{}: {}", path, *doubt));
+  }
+  for (const std::string& text : file.header.idle(kLogNotes, log_names(), file.names)) {
+    record.notes.push_back(fmt::format("{}: {}", path, text));
+  }
   for (const std::string& name : file.ignored) {
     record.notes.push_back(fmt::format("{}: column {} is not used: ignored", path, name));
   }
@@ -459,7 +490,7 @@ bool any_motion_log(const std::vector<std::string>& paths) {
     while (lines.next()) {
       if (lines.line().empty()) continue;
       if (lines.line().front() != '#') return false;
-      const auto note = log_note(lines.line());
+      const auto note = note_of(lines.line(), lines.number());
       if (note && note->key == "kind") return note->word == "dynamic";
     }
     return false;

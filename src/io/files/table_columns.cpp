@@ -114,14 +114,11 @@ double TableColumns::number(const CsvFields& row, std::size_t choice,
   return first.value_or(std::nan(""));
 }
 
-void TorqueNote::read(std::string_view note, const ColumnComplaint& complain) {
-  const std::size_t colon = note.find(':');
-  if (colon == std::string_view::npos || trimmed(note.substr(0, colon)) != "torque") return;
-  const std::string_view value = trimmed(note.substr(colon + 1));
-  if (!whose_.empty() && whose_ != value) {
-    complain(1,
-             fmt::format("# torque: {} after # torque: {}: allowed: one of them", value, whose_));
-  }
+void TorqueNote::read(std::string_view line, const ColumnComplaint& complain) {
+  const auto note =
+      notes_.read(line, 0, [&](std::string message) { complain(1, std::move(message)); });
+  if (!note) return;
+  const std::string& value = note->word;
   whose_ = value;
   if (value == "actuator" || value == "load") return;
   complain(1, fmt::format("# torque: {}: allowed: load (of the load on the output), actuator (of "

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/files/header_notes.hpp"
 #include "io/text/csv_table.hpp"
 
 namespace gear3k::io {
@@ -57,12 +58,13 @@ class TableColumns {
 /// holds without a note too) or `# torque: actuator` (that of the actuator on the load).
 class TorqueNote {
  public:
-  /// @param note  a line without its '#'; other notes are not read
-  void read(std::string_view note, const ColumnComplaint& complain);
+  /// @param line  begins with '#'; other notes are not read
+  void read(std::string_view line, const ColumnComplaint& complain);
   /// Whether the torques of the table, all of them, have the other sign.
   [[nodiscard]] bool turned() const { return whose_ == "actuator"; }
 
  private:
+  HeaderNotes notes_{{"torque"}};
   std::string whose_;
 };
 

@@ -29,9 +29,6 @@ std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> 
   return text;
 }
 
-namespace {
-
-/// Levenshtein distance.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -46,6 +43,8 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   }
   return row[b.size()];
 }
+
+namespace {
 
 /// The only word that begins so; "" where there is none or several.
 std::string only_beginning(const std::string& beginning, const std::vector<std::string>& known) {

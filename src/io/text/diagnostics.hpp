@@ -1,6 +1,7 @@
 #pragma once
 // Messages about a user's file: all of them at once, each with its place.
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ class CollectedErrors {
  private:
   std::string text_;
 };
+
+/// Letters to change, add or take away to make one word the other (Levenshtein).
+std::size_t edit_distance(const std::string& a, const std::string& b);
 
 /// The known word closest to what was written (edit distance at most 3 and at most half of the
 /// word's length), else the only one that begins with it, else the only one that begins as it does

@@ -416,7 +416,7 @@ TEST(Measurements, AMissingKindIsToldFromTheColumns) {
       "data.csv: the note \"# kind: ...\" is missing, allowed: transmission, lost_motion, "
       "torque_angle, pair_loss, dynamic (of an ACTUATOR); the columns are those of pair_loss",
       errors_of("driving_teeth,driven_teeth,loss_factor\n16,80,0.03\n"));
-  expect_in("\"# Kind:\" was meant?", errors_of("# Kind: pair_loss\na,b\n"));
+  expect_in("\"# kinds:\" was meant?", errors_of("# kinds: losses\na,b\n"));
 }
 
 TEST(Measurements, AnUnknownKindHasADidYouMean) {
@@ -427,7 +427,7 @@ TEST(Measurements, AnUnknownKindHasADidYouMean) {
 }
 
 TEST(Measurements, TwoKindsInAFileAreRefused) {
-  expect_in("data.csv:2:1: # kind: pair_loss: the kind was transmission before, allowed: one kind",
+  expect_in("data.csv:2:1: # kind: pair_loss after # kind: transmission: allowed: one of them",
             errors_of("# kind: transmission\n# kind: pair_loss\na\n1\n"));
 }
 
@@ -621,8 +621,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "deviation)"},
         BadValue{kSigma, "forward,200,5,0.06,-0.001", "data.csv:3:20: sigma_nm = -0.001: allowed"},
         BadValue{kWarm, "forward,200,5,0.06,-273.16",
-                 "data.csv:3:20: temperature_c = -273.16: allowed: a finite number, at least "
-                 "-273.15 (absolute zero)"},
+                 "data.csv:3:20: temperature_c = -273.16: allowed: a finite number, -273.15 to "
+                 "400 (degrees Celsius)"},
         BadValue{kLost, "0,-1,7,0", "data.csv:3:3: test_torque_nm = -1: allowed"},
         BadValue{kLost, "0,1,-7,0", "data.csv:3:5: lost_motion_arcmin = -7: allowed"},
         BadValue{kLost, "0,1,7,-1",
@@ -887,7 +887,7 @@ TEST(MeasurementUnits, ThatAreBlankTwoOrMissingAreToldAllAtOnce) {
   EXPECT_NE(errors.find("b.csv:1:1: # unit: is blank, allowed: the name of the gearbox"),
             std::string::npos)
       << errors;
-  EXPECT_NE(errors.find("c.csv:2:1: # unit: G2: the unit was G1 in line 1, allowed: one gearbox"),
+  EXPECT_NE(errors.find("c.csv:2:1: # unit: G2 after # unit: G1: allowed: one of them"),
             std::string::npos)
       << errors;
   EXPECT_NE(
