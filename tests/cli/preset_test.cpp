@@ -320,12 +320,13 @@ TEST(Preset, APairIsToldTheLimitsOfItsOwnChecksAlone) {
 
 TEST(Preset, AllOfWhoseLimitsAreStatedHasNoneOfItsOwn) {
   Workplace place;
-  place.write("pair.toml",
-              "preset = \"machined\"\nkind = \"external\"\nmodule_mm = 1.0\n[gear1]\nteeth = "
-              "20\n[gear2]\nteeth = 30\n[backlash]\nmin_normal_um = 1.0\n"
-              "[contact_ratio]\nrange = [1.05, 3.0]\n[limits]\ntip_thickness = 0.1\nform_circle = 0.01\n"
-              "root_clearance = 0.02\ntip_thickness_mm = 0.03\nroot_clearance_mm = 0.04\n"
-              "specific_sliding = 4.0\n");
+  place.write(
+      "pair.toml",
+      "preset = \"machined\"\nkind = \"external\"\nmodule_mm = 1.0\n[gear1]\nteeth = "
+      "20\n[gear2]\nteeth = 30\n[backlash]\nmin_normal_um = 1.0\n"
+      "[contact_ratio]\nrange = [1.05, 3.0]\n[limits]\ntip_thickness = 0.1\nform_circle = 0.01\n"
+      "root_clearance = 0.02\ntip_thickness_mm = 0.03\nroot_clearance_mm = 0.04\n"
+      "specific_sliding = 4.0\n");
   const ProgramResult told = place.run({"mesh", "pair.toml"});
   const std::string line = limits_told(told.out);
   EXPECT_NE(line.find("Limits: preset machined: none of its own; stated instead: "),
