@@ -95,6 +95,7 @@ gear3k_library(calibrate
     search/form_doubt.cpp
     search/free_shapes.cpp
     search/replacements.cpp
+    search/rows_together.cpp
     search/search.cpp
     search/search_with_noise.cpp
     search/second_names.cpp
@@ -113,6 +114,7 @@ gear3k_library(calibrate
     verdict/possible_conditions.cpp
     verdict/remainder.cpp
     verdict/rounded_readings.cpp
+    verdict/rows_off.cpp
     verdict/unexplained.cpp
     dynamic/drive_parameters.cpp
     dynamic/motion_diagnosis.cpp

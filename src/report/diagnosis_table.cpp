@@ -423,7 +423,10 @@ std::string remainder_text(const Diagnosis& d) {
               "nothing "
               "is off: the stated sigma is too small, or repeats differ in what the file does not "
               "say."
-            : "The stated sigma is too small, or rows differ in what the file does not say.");
+        : d.noise_source == calibrate::NoiseSource::kStated
+            ? "The stated sigma is too small, or rows differ in what the file does not say."
+            : "More rows are far off than outliers are: they differ in what the file does not "
+              "say.");
   }
   std::string text = fmt::format(
       "{}: structure along {}", d.laws.empty() ? "Left over" : "Left over before the law", r.along);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <string_view>
@@ -61,6 +62,33 @@ std::vector<double> instants(const MeasurementSet& data) {
   return result;
 }
 
+/// One row that is off is no step, whatever session it says it is of, nor are two.
+constexpr std::ptrdiff_t kFewestRows = 3;
+
+std::ptrdiff_t rows_of(const MeasurementSet& data, int run) {
+  return std::ranges::count_if(data.rows,
+                               [&](const Observation& row) { return row.condition.run == run; });
+}
+
+/// Whether so many rows lie on either side of a place.
+bool has_rows(const MeasurementSet& data, const FormConstant& place) {
+  std::ptrdiff_t before = 0, after = 0;
+  for (const Observation& row : data.rows) {
+    const double at = place.name == kFirstRun ? row.condition.run : row.condition.time_s;
+    if (!std::isfinite(at) || at < 0.0) continue;
+    ++(at >= place.value ? after : before);
+  }
+  return std::min(before, after) >= kFewestRows;
+}
+
+/// Whether every session has more than one row: a value of its own would only leave that one out.
+bool have_rows_each(const MeasurementSet& data) {
+  for (int run = 0; run < static_cast<int>(data.runs.size()); ++run) {
+    if (rows_of(data, run) < 2) return false;
+  }
+  return true;
+}
+
 /// From one run (or instant) on, of more sessions than have a value each from one of 31; or up to
 /// there, when the later runs are those that fit; or in one run alone, between others; or every
 /// session with a value of its own.  Each may act on the reading or on what makes it; of the
@@ -83,6 +111,8 @@ std::vector<Form> forms(const Occasion& o) {
       places.push_back({.name = kInstant, .unit = "s", .value = t});
     }
   }
+  std::erase_if(places, [&](const FormConstant& place) { return !has_rows(*o.data, place); });
+  const bool each = have_rows_each(*o.data);
   std::vector<Form> result;
   for (const TargetRecord& target : targets_of(o.kind)) {
     const bool offset = target.target == Target::kOffset;
@@ -102,11 +132,13 @@ std::vector<Form> forms(const Occasion& o) {
       const double share = 1.0 / std::sqrt(static_cast<double>(places.size()));
       add("from", place, 0.5 * share);
       add("until", place, 0.25 * share);
-      if (few && place.name == kFirstRun && place.value + 1 < runs)
+      if (few && place.name == kFirstRun && place.value + 1 < runs &&
+          rows_of(*o.data, static_cast<int>(place.value)) >= kFewestRows) {
         add("only", place, 0.25 * share);
+      }
     }
     constexpr int kFewest = 3;
-    if (runs >= kFewest && few) {
+    if (runs >= kFewest && few && each) {
       add(kSessions, {.name = kSessions, .unit = "", .value = static_cast<double>(runs)}, 0.5);
     }
   }

@@ -26,9 +26,11 @@ Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const Noise
     return static_cast<std::size_t>(noise.run[static_cast<std::size_t>(i)]) + 1;
   };
   for (Eigen::Index i = 0; i < residual.size(); ++i) rows[session(i)].push_back(residual[i]);
+  // The median of fewer rows is as far off as one of them.
+  constexpr std::size_t kFewestInMedian = 3;
   std::vector<double> median(rows.size(), 0.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (!rows[r].empty()) median[r] = numerics::upper_median(std::move(rows[r]));
+    if (rows[r].size() >= kFewestInMedian) median[r] = numerics::upper_median(std::move(rows[r]));
   }
   Eigen::VectorXd offset(residual.size());
   for (Eigen::Index i = 0; i < residual.size(); ++i) offset[i] = median[session(i)];
@@ -76,6 +78,60 @@ BetweenSessions between_sessions(const NoiseModel& noise, const Eigen::MatrixXd&
           .squares = std::accumulate(squares.begin(), squares.end(), 0.0) / noise.runs};
 }
 
+/// From here on sessions that scatter are the rule.
+constexpr int kSeveralRuns = 5;
+
+/// A step in one session, of which several that scatter have one that lies farthest off.
+bool is_of_one_among_several(const Candidate& c, const NoiseModel& noise) {
+  return separates_sessions(c) && c.form.name.ends_with("only") && noise.runs >= kSeveralRuns;
+}
+
+/// Sessions beside what does not scatter.
+struct SessionsBeside {
+  BetweenSessions between{};
+  double within = 0.0;  ///< variance of rows in their session
+  int rest = 0;         ///< its degrees of freedom
+};
+
+/// Beside effects that were found, and where neither a step nor a drift is among them beside the
+/// best single one: what it takes off is its own, and no scatter.
+SessionsBeside sessions_beside(const Problem& problem, const SearchResult& found,
+                               const std::vector<bool>& stays) {
+  const NoiseModel& noise = problem.noise;
+  const Hypothesis h = subset(found.fit.hypothesis, stays);
+  std::vector<Candidate> steps;
+  if (std::ranges::none_of(h.effects, separates_sessions)) {
+    for (const Candidate& c : found.candidates) {
+      if (separates_sessions(c) && !gives_each_session_a_value(c.form) &&
+          !is_of_one_among_several(c, noise)) {
+        steps.push_back(c);
+      }
+    }
+  }
+  const Columns columns = columns_at(problem, h, steps, 0.0);
+  const Eigen::VectorXd residual = clipped_in_sessions(columns.residual, noise);
+  // What is the same in all sessions is no scatter of theirs.
+  Eigen::MatrixXd own(columns.own.rows(), columns.own.cols() + 1);
+  Eigen::MatrixXd constant = Eigen::MatrixXd::Ones(columns.own.rows(), 1);
+  noise.whiten(constant);
+  own << constant, columns.own;
+  if (!steps.empty()) {
+    const Screen screen(own, columns.other, blocks_of(steps), 0.0);
+    const auto gains = screen.gains(residual);
+    const auto best = std::ranges::max_element(gains, {}, &Gain::sum_of_squares) - gains.begin();
+    const Block& block = screen.blocks()[static_cast<std::size_t>(best)];
+    Eigen::MatrixXd grown(own.rows(), own.cols() + block.count);
+    grown << own, columns.other.middleCols(block.first, block.count);
+    own = std::move(grown);
+  }
+  const Eigen::MatrixXd basis = orthonormal_basis(own);
+  const Eigen::VectorXd left = residual - basis * (basis.transpose() * residual);
+  SessionsBeside result{.between = between_sessions(noise, basis, left)};
+  result.rest = static_cast<int>(left.size() - basis.cols()) - result.between.degrees;
+  result.within = (left.squaredNorm() - result.between.sum_of_squares) / std::max(result.rest, 1);
+  return result;
+}
+
 }  // namespace
 
 std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
@@ -106,57 +162,45 @@ std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
 
 SessionScatter session_scatter(const Problem& problem, const SearchResult& found) {
   constexpr int kFewestRuns = 4;
-  constexpr int kSeveralRuns = 5;
+  constexpr double kChance = 0.01;
   const NoiseModel& noise = problem.noise;
   if (noise.runs < kFewestRuns) return {};
-  // What a step or a drift would take off counts as theirs, not as scatter; and where every session
-  // has a value of its own nothing is left to scatter.
-  const Hypothesis& all = found.fit.hypothesis;
-  if (std::ranges::any_of(all.effects, gives_each_session_a_value, &Candidate::form)) return {};
+  // Where every session has a value of its own nothing is left to scatter.
+  const std::vector<Candidate>& effects = found.fit.hypothesis.effects;
+  if (std::ranges::any_of(effects, gives_each_session_a_value, &Candidate::form)) return {};
   std::vector<bool> stays;
-  stays.reserve(all.effects.size());
-  for (const Candidate& c : all.effects) stays.push_back(!separates_sessions(c));
-  const Hypothesis h = subset(all, stays);
-  std::vector<Candidate> steps;
-  for (const Candidate& c : found.candidates) {
-    // Among several sessions that scatter one lies farthest off: that is no step.
-    const bool one_session = c.form.name.ends_with("only");
-    if (separates_sessions(c) && !gives_each_session_a_value(c.form) &&
-        !(one_session && noise.runs >= kSeveralRuns)) {
-      steps.push_back(c);
+  stays.reserve(effects.size());
+  bool alone = false;
+  for (const Candidate& c : effects) {
+    stays.push_back(!is_of_one_among_several(c, noise));
+    alone = alone || !stays.back();
+  }
+  SessionsBeside sessions = sessions_beside(problem, found, stays);
+  if (alone) {
+    // Among several sessions that scatter one lies farthest off: that is no step unless it lies
+    // farther off than the scatter of the others makes the farthest of so many.
+    const SessionsBeside others =
+        sessions_beside(problem, found, std::vector<bool>(effects.size(), true));
+    const int taken = sessions.between.degrees - others.between.degrees;
+    if (taken >= 1 && others.between.degrees >= 1) {
+      const double f = (sessions.between.sum_of_squares - others.between.sum_of_squares) / taken /
+                       (others.between.sum_of_squares / others.between.degrees);
+      if (noise.runs * f_tail(f, taken, others.between.degrees) <= kChance) sessions = others;
     }
   }
-  const Columns columns = columns_at(problem, h, steps, 0.0);
-  const Eigen::VectorXd residual = clipped_in_sessions(columns.residual, noise);
-  // What is the same in all sessions is no scatter of theirs.
-  Eigen::MatrixXd fitted(columns.own.rows(), columns.own.cols() + 1);
-  Eigen::MatrixXd constant = Eigen::MatrixXd::Ones(columns.own.rows(), 1);
-  noise.whiten(constant);
-  fitted << constant, columns.own;
-  const Screen screen(fitted, columns.other, blocks_of(steps), 0.0);
-  const auto gains = screen.gains(residual);
-  const auto best = std::ranges::max_element(gains, {}, &Gain::sum_of_squares) - gains.begin();
-  const Block& block = screen.blocks()[static_cast<std::size_t>(best)];
-  Eigen::MatrixXd own(fitted.rows(), fitted.cols() + block.count);
-  own << fitted, columns.other.middleCols(block.first, block.count);
-  const Eigen::MatrixXd basis = orthonormal_basis(own);
-  const Eigen::VectorXd left = residual - basis * (basis.transpose() * residual);
-  const BetweenSessions sessions = between_sessions(noise, basis, left);
-  const int degrees = sessions.degrees;
-  const auto rest = static_cast<int>(left.size() - basis.cols()) - degrees;
+  const int degrees = sessions.between.degrees;
+  const int rest = sessions.rest;
   if (degrees < 1 || rest < 4) return {};
-  const double between = sessions.sum_of_squares;
-  const double within = (left.squaredNorm() - between) / rest;
-  const double f = between / degrees / within;
+  const double f = sessions.between.sum_of_squares / degrees / sessions.within;
   // A few sessions that scatter are hardly told from one step; with more of them it is the rule
   // that they do, until the data say otherwise.
-  constexpr double kChance = 0.01;
   if (noise.runs < kSeveralRuns && f_tail(f, degrees, rest) > kChance) return {};
   // The twentieth of values that chance makes smallest is guarded against: few sessions say little
   // of how much sessions scatter.
   const double guard = numerics::f_upper_quantile(0.05, rest, degrees);
-  return {.estimate = std::max(0.0, (f - 1.0) / sessions.squares),
-          .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / sessions.squares)};
+  const double squares = sessions.between.squares;
+  return {.estimate = std::max(0.0, (f - 1.0) / squares),
+          .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / squares)};
 }
 
 }  // namespace gear3k::calibrate

@@ -24,6 +24,7 @@
 #include "calibrate/verdict/noise_level.hpp"
 #include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
+#include "calibrate/verdict/rows_off.hpp"
 #include "calibrate/verdict/unexplained.hpp"
 
 namespace gear3k::calibrate {
@@ -207,6 +208,7 @@ Baseline baseline_of(const Problem& problem) {
 struct Remainders {
   Columns before, after;
   RemainderSearch of_baseline, of_fit;
+  std::optional<std::string> level_off;  ///< said of rows far off that are the structure of the fit
 };
 Remainders search_remainders(const Problem& problem, const SearchResult& found,
                              const Baseline& baseline, const std::vector<Levels>& levels,
@@ -215,11 +217,15 @@ Remainders search_remainders(const Problem& problem, const SearchResult& found,
   Remainders r{.before = columns_at(problem, {}, {}, robust_deviation(baseline.weighted)),
                .after = columns_at(problem, found.fit.hypothesis, {}, found.scale),
                .of_baseline = {},
-               .of_fit = {}};
+               .of_fit = {},
+               .level_off = {}};
   r.of_baseline = search_remainder(problem, r.before, levels, rate, options.seed + 11);
   r.of_fit = found.effects.empty()
                  ? r.of_baseline
                  : search_remainder(problem, r.after, levels, rate, options.seed + 12);
+  r.level_off =
+      take_level_off(problem, found.effects.empty() ? r.before : r.after, levels, rate, r.of_fit);
+  if (found.effects.empty()) r.of_baseline = r.of_fit;
   return r;
 }
 
@@ -533,9 +539,16 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
              {.whitened = whitened_left, .degrees = final.degrees, .scale = row_scale}, left.before,
              remainder_rate, !standing.found.empty());
   if (minor) d.notes.push_back(*minor);
+  const auto off = static_cast<std::size_t>(std::ranges::count_if(d.rows, &RowResult::outlier));
+  if (const double chance = chance_of_outliers(off, data.rows.size());
+      !contest.structure && standing.found.empty() && chance <= remainder_rate) {
+    contest = {.structure = true, .stays = {}, .remainder = {}};
+    contest.remainder.p_value = chance;
+  }
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
   d.remainder.minor = minor.has_value();
+  if (left.level_off && contest.structure) d.notes.push_back(*left.level_off);
   set_posteriors(d.effects, contest.structure);
   d.verdict = verdict_of(d);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, d.effects,

@@ -68,6 +68,16 @@ Eigen::VectorXd losing_sign(const MeasurementSet& data) {
   return sign;
 }
 
+/// A column for each level of more than one row: that of a single row would only say how far off it
+/// is.
+Eigen::MatrixXd indicators_of_several(const Levels& levels) {
+  Eigen::MatrixXd columns = indicators(levels);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    if (columns.col(k).sum() < 2.0) columns.col(k).setZero();
+  }
+  return columns;
+}
+
 /// What a term is to the table of covariates: nothing, the levels of one, or what they lose.
 enum class Entry { kNone, kLevels, kLosses };
 
@@ -128,7 +138,7 @@ class TermCollection {
     if (l.count < 2 || !few(l)) return;
     add({.along = l.name,
          .count = l.count,
-         .plain = [l] { return indicators(l); },
+         .plain = [l] { return indicators_of_several(l); },
          .entry = entry,
          .weight = weight});
   }
@@ -156,7 +166,7 @@ class TermCollection {
            .count = l.count,
            .plain =
                [l, losing = losing_] {
-                 Eigen::MatrixXd columns = indicators(l);
+                 Eigen::MatrixXd columns = indicators_of_several(l);
                  columns.array().colwise() *= losing.array();
                  return columns;
                },
