@@ -109,13 +109,16 @@ gear3k_library(calibrate
     verdict/diagnosis.cpp
     verdict/experiment.cpp
     verdict/left_behind.cpp
+    verdict/level_groups.cpp
     verdict/model_update.cpp
     verdict/noise_level.cpp
     verdict/possible_conditions.cpp
     verdict/remainder.cpp
     verdict/rounded_readings.cpp
     verdict/rows_off.cpp
+    verdict/simulated_rows.cpp
     verdict/unexplained.cpp
+    verdict/wild_rows.cpp
     dynamic/drive_parameters.cpp
     dynamic/motion_diagnosis.cpp
     dynamic/motion_experiment.cpp

@@ -293,6 +293,18 @@ io::Json refit_json(const Diagnosis& d) {
           {"predicts", d.refit->predicts}};
 }
 
+io::Json outlier_rows_json(const Diagnosis& d, const MeasurementSet& set) {
+  io::Json rows = io::Json::array();
+  for (std::size_t k = 0; k < d.rows.size() && k < set.rows.size(); ++k) {
+    if (!d.rows[k].outlier) continue;
+    const auto file = static_cast<std::size_t>(set.rows[k].file);
+    rows.push_back({{"file", file < set.files.size() ? io::Json(set.files[file]) : nullptr},
+                    {"line", set.rows[k].line},
+                    {"left_out", !std::isfinite(d.rows[k].extended)}});
+  }
+  return rows;
+}
+
 /// Everything about one kind.
 io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
@@ -334,6 +346,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   json["covariates"] = {{"before", list_json(d.covariates_before, covariate_json)},
                         {"after", list_json(d.covariates_after, covariate_json)}};
   json["outliers"] = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
+  json["outlier_rows"] = outlier_rows_json(d, set);
   if (d.springs_Nm_rad) json["springs_nm_per_rad"] = *d.springs_Nm_rad;
   json["notes"] = d.notes;
   json["series"] = unit_series_json(d);

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <vector>
 
+#include "calibrate/measurement/left_out_rows.hpp"
 #include "io/text/printable.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
@@ -446,15 +448,24 @@ std::string lack_text(const Diagnosis& d) {
                      p_statement(d.lack_of_fit.p_value));
 }
 
-std::string notes_text(const Diagnosis& d) {
+std::string notes_text(const Diagnosis& d, const MeasurementSet& set) {
   std::string text;
-  const auto outliers = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
+  // Those that were left out have a note of their own.
+  std::vector<char> marked;
+  marked.reserve(d.rows.size());
+  for (const auto& row : d.rows) {
+    marked.push_back(row.outlier && std::isfinite(row.extended) ? 1 : 0);
+  }
+  const auto outliers = std::ranges::count(marked, 1);
   if (outliers > 0) {
-    text += outliers == 1
-                ? fmt::format("Note: 1 of {} rows is an outlier; it counts less in the fit\n",
-                              d.rows.size())
-                : fmt::format("Note: {} of {} rows are outliers; they count less in the fit\n",
-                              outliers, d.rows.size());
+    const std::string places = io::printable(calibrate::places_of(set, marked));
+    text += fmt::format(
+        "Note: {}{}{}\n",
+        outliers == 1
+            ? fmt::format("1 of {} rows is an outlier; it counts less in the fit", d.rows.size())
+            : fmt::format("{} of {} rows are outliers; they count less in the fit", outliers,
+                          d.rows.size()),
+        places.empty() ? "" : ": ", places);
   }
   for (const std::string& note : d.notes) text += fmt::format("Note: {}\n", io::printable(note));
   return text.empty() ? "" : fmt::format("\n{}", text);
@@ -476,7 +487,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);
   text += unit_series_text(d) + evidence_table(d) + covariate_table(d) + gain_table(d, set) +
           remainder_text(d) + laws + correction_text(d) + lack_text(d) + loop_table(set) +
-          experiment_table(d) + notes_text(d);
+          experiment_table(d) + notes_text(d, set);
   return text;
 }
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "calibrate/fit/final_fit.hpp"
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/row_friction.hpp"
 #include "calibrate/laws/law_result.hpp"
-#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/search/form_doubt.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
@@ -25,6 +25,7 @@
 #include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
 #include "calibrate/verdict/rows_off.hpp"
+#include "calibrate/verdict/simulated_rows.hpp"
 #include "calibrate/verdict/unexplained.hpp"
 
 namespace gear3k::calibrate {
@@ -35,36 +36,6 @@ namespace {
 /// The rest is for second looks: weights, sessions and memory that chance gives the noise.
 constexpr double kCauseShare = 0.55;
 constexpr double kRemainderShare = 0.1;
-
-/// Rows that the baseline simulates.
-struct SimulatedRows {
-  MeasurementSet data;
-  std::vector<std::size_t> place;  ///< of each in the data as given
-};
-
-/// The rows that do not run are left out, and named in the notes.
-SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet& data,
-                             std::vector<std::string>& notes) {
-  SimulatedRows result;
-  std::vector<int> lines;
-  const RowStates states(data.rows);
-  const RowResponses responses(states, simulation, simulation.unmodified({}));
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const std::optional<Scalar> response = responses.of_row(i);
-    if (response && std::isfinite(response->a)) {
-      result.place.push_back(i);
-    } else {
-      lines.push_back(data.rows[i].line);
-    }
-  }
-  result.data = select_rows(data, result.place);
-  if (lines.empty()) return result;
-  drop_empty_runs(result.data);
-  notes.push_back(fmt::format(
-      "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
-      lines.size(), data.rows.size(), lines.front()));
-  return result;
-}
 
 std::vector<Alternative> alternatives_of(const Problem& problem,
                                          const std::vector<Replacement>& replacements,
@@ -282,6 +253,10 @@ std::vector<RowResult> row_results(std::size_t count, const SimulatedRows& rows,
   constexpr double kOutlier = 4.0;
   std::vector<RowResult> results(count);
   for (RowResult& row : results) row.baseline = row.extended = row.sigma = kUnknown;
+  for (const auto& [place, value] : rows.wild) {
+    results[place].baseline = value;
+    results[place].outlier = true;
+  }
   for (std::size_t i = 0; i < rows.place.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     results[rows.place[i]] = {.baseline = baseline.simulated[k],

@@ -1,0 +1,96 @@
+#include "calibrate/verdict/level_groups.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <string_view>
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// A factor ±1 of each row.
+template <class Value>
+Eigen::VectorXd sign_of(const MeasurementSet& data, Value value) {
+  Eigen::VectorXd sign(static_cast<Eigen::Index>(data.rows.size()));
+  for (Eigen::Index i = 0; i < sign.size(); ++i) {
+    sign[i] = value(data.rows[static_cast<std::size_t>(i)].condition) ? 1.0 : -1.0;
+  }
+  return sign;
+}
+
+bool varies(const Eigen::VectorXd& sign) {
+  return sign.size() > 0 && (sign.array() != sign[0]).any();
+}
+
+bool is_forward(const Condition& c) { return c.direction == design::Direction::kForward; }
+
+/// Of many sessions levels are bins.
+Levels each_session(const MeasurementSet& data) {
+  Levels l{.name = "run", .of = {}, .count = static_cast<int>(data.runs.size())};
+  l.of.reserve(data.rows.size());
+  for (const Observation& row : data.rows) l.of.push_back(row.condition.run);
+  return l;
+}
+
+}  // namespace
+
+LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& levels,
+                         bool sessions) {
+  const Eigen::VectorXd losing = sign_of(data, is_forward);
+  const Eigen::VectorXd turning = sign_of(data, [](const Condition& c) { return c.rotation >= 0; });
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(losing.size());
+  std::vector<Eigen::VectorXd> senses{ones};
+  if (varies(losing)) senses.push_back(losing);
+  if (varies(turning)) senses.push_back(turning);
+  if (varies(losing) && varies(turning)) senses.push_back(losing.cwiseProduct(turning));
+  LevelGroups result;
+  std::vector<Eigen::VectorXd> columns;
+  const auto add = [&](const LevelGroup& group, const Eigen::VectorXd& inside) {
+    if (!(inside.array() != 0.0).any()) return;
+    for (const Eigen::VectorXd& sense : senses) {
+      // In one direction the losses have the sign of the reading.
+      if (group.direction != 0 && &sense != &senses.front()) continue;
+      result.group.push_back(group);
+      columns.emplace_back(inside.cwiseProduct(sense));
+    }
+  };
+  for (const Levels& given : levels) {
+    const bool of_sessions = given.name == "run";
+    if (of_sessions && !sessions) continue;
+    const Levels l = of_sessions && given.binned ? each_session(data) : given;
+    const Eigen::MatrixXd inside = indicators(l);
+    for (int k = 0; k < l.count; ++k) {
+      add({.levels = l, .level = k}, inside.col(k));
+      if (!varies(losing) || l.name == "direction") continue;
+      for (const int direction : {1, -1}) {
+        const Eigen::VectorXd one =
+            (losing.array() == static_cast<double>(direction)).cast<double>();
+        add({.levels = l, .level = k, .direction = direction}, inside.col(k).cwiseProduct(one));
+      }
+    }
+  }
+  result.columns.resize(losing.size(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    result.columns.col(static_cast<Eigen::Index>(k)) = columns[k];
+  }
+  return result;
+}
+
+std::string level_text(const MeasurementSet& data, const LevelGroup& group) {
+  const Levels& l = group.levels;
+  const auto k = static_cast<std::size_t>(group.level);
+  const std::string_view way = group.direction > 0   ? ", forward"
+                               : group.direction < 0 ? ", backward"
+                                                     : "";
+  if (l.name == "run" && k < data.runs.size()) {
+    return fmt::format("session {}{}", data.runs[k], way);
+  }
+  if (l.name == "direction") {
+    return fmt::format("direction {}", k < l.at.size() && l.at[k] > 0.0 ? "forward" : "backward");
+  }
+  if (k >= l.at.size()) return fmt::format("one {}{}", l.name, way);
+  return fmt::format("{} {}{:.4g}{}", l.name, l.binned ? "about " : "", l.at[k], way);
+}
+
+}  // namespace gear3k::calibrate
