@@ -117,6 +117,7 @@ gear3k_library(calibrate
     verdict/rounded_readings.cpp
     verdict/rows_off.cpp
     verdict/simulated_rows.cpp
+    verdict/session_conditions.cpp
     verdict/unexplained.cpp
     verdict/wild_rows.cpp
     dynamic/drive_parameters.cpp

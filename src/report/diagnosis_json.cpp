@@ -345,6 +345,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   });
   json["covariates"] = {{"before", list_json(d.covariates_before, covariate_json)},
                         {"after", list_json(d.covariates_after, covariate_json)}};
+  json["conditions_by_session"] = d.conditions_by_session;
   json["outliers"] = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
   json["outlier_rows"] = outlier_rows_json(d, set);
   if (d.springs_Nm_rad) json["springs_nm_per_rad"] = *d.springs_Nm_rad;

@@ -437,8 +437,12 @@ std::string remainder_text(const Diagnosis& d) {
   } else if (r.order > 0.0 && r.along == "time") {
     text += fmt::format(", {:.3g} periods over the data", r.order);
   }
-  return text + fmt::format(", which is {} % of what is left ({}). No known cause does this.\n",
-                            fixed(percent(r.share), 0), p_statement(r.p_value));
+  return text + fmt::format(", which is {} % of what is left ({}). {}\n",
+                            fixed(percent(r.share), 0), p_statement(r.p_value),
+                            r.along == "session time"
+                                ? "What warms up or settles does so anew in every session; "
+                                  "measured temperatures would tell."
+                                : "No known cause does this.");
 }
 
 std::string lack_text(const Diagnosis& d) {

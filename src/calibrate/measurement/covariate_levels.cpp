@@ -64,6 +64,25 @@ Levels levels_of(std::string name, const std::vector<double>& values, double per
   return levels;
 }
 
+/// Time since the first row of each row's session [s].
+std::vector<double> session_times(const MeasurementSet& data) {
+  std::vector<double> start(data.runs.size(), HUGE_VAL);
+  const auto run_of = [&](const Observation& row) {
+    return static_cast<std::size_t>(row.condition.run);
+  };
+  for (const Observation& row : data.rows) {
+    if (row.condition.run < 0 || !std::isfinite(row.condition.time_s)) continue;
+    start[run_of(row)] = std::min(start[run_of(row)], row.condition.time_s);
+  }
+  std::vector<double> times;
+  times.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    times.push_back(row.condition.run < 0 ? std::nan("")
+                                          : row.condition.time_s - start[run_of(row)]);
+  }
+  return times;
+}
+
 }  // namespace
 
 Eigen::MatrixXd indicators(const Levels& levels) {
@@ -141,6 +160,8 @@ std::vector<Levels> covariate_levels(const MeasurementSet& data) {
   add("driven teeth",
       integers([](const Condition& c) { return static_cast<double>(c.driven_teeth); }), 1.0, 0.0);
   if (data.runs.size() > 1) {
+    // What warms up or settles does so anew in every session.
+    add("session time", session_times(data), 1.0, 0.0);
     add("run", integers([](const Condition& c) { return static_cast<double>(c.run); }), 1.0, 0.0);
   }
   for (const Covariate& c : data.covariates) add(c.name, c.value, 1.0, 0.0);

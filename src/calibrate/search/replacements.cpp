@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <span>
 
 #include "calibrate/causes/friction_change.hpp"
 #include "calibrate/causes/reading_change.hpp"
@@ -29,7 +31,22 @@ constexpr double kRoundedShare = 1e-9;
 /// So few forms are all fitted in the place of an effect, without screening.
 constexpr std::size_t kFewForms = 12;
 
+/// Forms of a cause that are fitted in the place of an effect.
+constexpr std::ptrdiff_t kTriedForms = 3;
+/// Parameters that a law of another condition may have more than the effect whose place it takes.
+constexpr std::size_t kFreedom = 3;
+
+/// Whether a form in the place of an effect is a law of a condition with a freer shape.
+bool bends_more(const Candidate& c, const Candidate& own) {
+  return c.form.order == 0.0 && own.form.order == 0.0 &&
+         c.parameters.size() <= own.parameters.size() + kFreedom;
+}
+
 bool is_parameter(const Cause& cause) { return cause.remedy == Remedy::kFrictionValue; }
+/// What all rows have in common anyway.
+bool is_level(const Cause& cause) {
+  return is_parameter(cause) || cause.remedy == Remedy::kClearance;
+}
 bool is_step(const Cause& cause) { return cause.id == "run_step"; }
 
 /// Laws of load, speed or temperature, which a session measured in order may imitate.
@@ -52,9 +69,8 @@ bool fits_variables(const Hypothesis& h) {
 /// What all rows may have in common: the coefficient of friction among the candidates, of lost
 /// motion a clearance; null where the data have neither.
 const Candidate* level_of(const SearchResult& result) {
-  const auto at = std::ranges::find_if(result.candidates, [](const Candidate& c) {
-    return c.cause->remedy == Remedy::kFrictionValue || c.cause->remedy == Remedy::kClearance;
-  });
+  const auto at = std::ranges::find_if(result.candidates,
+                                       [](const Candidate& c) { return is_level(*c.cause); });
   return at == result.candidates.end() ? nullptr : &*at;
 }
 
@@ -93,9 +109,15 @@ Hypothesis with_level_and(const Hypothesis& h, const Candidate& level, const Can
   return with(has_cause(h, level.cause) ? h : with(h, level), added);
 }
 
-/// Forms that a screening without the effect says could do what it does, by cause in the order of
-/// the library; the best of each cause first.
-using FormsByCause = std::vector<std::vector<Candidate>>;
+/// Forms of a cause that a screening without an effect says could do what that does.
+struct FormsOfCause {
+  std::vector<Candidate> likeliest;  ///< the best three at most, the best one first
+  /// Beyond them the one that could do most, of more parameters: whether an effect follows another
+  /// condition data say whatever the law's shape.
+  std::optional<Candidate> freest{};
+};
+/// By cause in the order of the library.
+using FormsByCause = std::vector<FormsOfCause>;
 FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& others, const Gap& gap,
                           const Fit& start) {
   // The effect itself, last in the pool, says what a replacement has to do: judged alike, by
@@ -139,32 +161,43 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return pool[a].cause == pool[b].cause ? worth(a) > worth(b) : a < b;
   });
+  const double needed_of_freest = gains.back().sum_of_squares - kAsWell * judge.variance();
+  const auto gain = [&](std::size_t k) { return gains[k].sum_of_squares; };
   FormsByCause likely;
-  for (const std::size_t k : order) {
-    if (likely.empty() || likely.back().front().cause != pool[k].cause) likely.emplace_back();
-    likely.back().push_back(pool[k]);
+  for (auto first = order.begin(); first != order.end();) {
+    const auto end = std::find_if(
+        first, order.end(), [&](std::size_t k) { return pool[k].cause != pool[*first].cause; });
+    const auto tried = std::min(end, first + std::min(kTriedForms, end - first));
+    FormsOfCause& cause = likely.emplace_back();
+    for (auto k = first; k != tried; ++k) cause.likeliest.push_back(pool[*k]);
+    double most = needed_of_freest;
+    for (auto k = tried; k != end; ++k) {
+      if (!bends_more(pool[*k], gap.own) || !(gain(*k) > most)) continue;
+      most = gain(*k);
+      cause.freest = pool[*k];
+    }
+    first = end;
   }
   return likely;
 }
 
-/// The best of the three likeliest forms of a cause in the place of an effect.
+/// The best of some forms of a cause in the place of an effect.
 /// @param level  of friction; null where the data have none
 /// @param with_level  whether it is added; a form with a level of its own takes its place anyway
 Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothesis& beside,
                              const Candidate* level, bool with_level,
-                             const std::vector<Candidate>& forms) {
+                             std::span<const Candidate> forms) {
   Replacement replacement;
   replacement.statistic = std::numeric_limits<double>::infinity();
-  constexpr std::size_t kForms = 3;
   std::vector<Replacement> tried;
   std::vector<Hypothesis> starts;
-  for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
+  for (const Candidate& form : forms) {
     const bool has_level =
-        level != nullptr && (with_level || (has_level_parameter(forms[k].parameters) &&
-                                            has_cause(beside, level->cause)));
-    Hypothesis h = has_level ? with_level_and(beside, *level, forms[k]) : with(beside, forms[k]);
+        level != nullptr &&
+        (with_level || (has_level_parameter(form.parameters) && has_cause(beside, level->cause)));
+    Hypothesis h = has_level ? with_level_and(beside, *level, form) : with(beside, form);
     if (!fits_variables(h)) continue;
-    tried.push_back({.candidate = forms[k], .with_level = has_level, .statistic = 0.0, .fit = {}});
+    tried.push_back({.candidate = form, .with_level = has_level, .statistic = 0.0, .fit = {}});
     starts.push_back(std::move(h));
   }
   std::vector<Fit> fits = fit_all(judge.problem(), starts, judge.scale());
@@ -216,6 +249,16 @@ bool holds_level(const Candidate& c, Kind kind) {
   return kind == Kind::kPairLoss && (c.form.name == "approach" || c.form.name == "recess");
 }
 
+/// Whether a replacement explains as well, or draws the same as a law of another condition: then
+/// its statistic is that of any shape.
+bool stands_as_well(const Judge& judge, const Fit& best, const Gap& gap, Replacement& r) {
+  if (!std::isfinite(r.statistic)) return false;
+  const bool draws_the_same = !is_level(*gap.own.cause) && bends_more(r.candidate, gap.own) &&
+                              judge.draws_the_same(r.fit, best);
+  if (draws_the_same) r.statistic = std::min(r.statistic, judge.of_any_shape(r.fit, best));
+  return draws_the_same || judge.explains_as_well(r.fit, best);
+}
+
 /// What else explains as well in the place of an effect, by itself or with another level.
 std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult& result,
                                          const Gap& gap) {
@@ -238,16 +281,21 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
     // Where the level alone explains, what is added to it explains nothing.
     if (with_level && judge.chi(start) <= judge.chi(result.fit) + kAsWell) continue;
     // From the values beside the effect: without it the others may lie far off.
-    for (const std::vector<Candidate>& forms : likely_forms(judge, others, gap, start)) {
-      const Cause* cause = forms.front().cause;
+    for (const FormsOfCause& forms : likely_forms(judge, others, gap, start)) {
+      const Cause* cause = forms.likeliest.front().cause;
       const bool named = std::ranges::any_of(
           found, [&](const Replacement& r) { return r.candidate.cause == cause; });
       if (named) continue;
-      Replacement replacement =
-          best_replacement(judge, result.fit, gap.rest, level, with_level, forms);
-      if (std::isfinite(replacement.statistic) &&
-          judge.explains_as_well(replacement.fit, result.fit) &&
-          !says_what_all_share(problem.data, replacement.fit.hypothesis) &&
+      const auto replaced = [&](std::span<const Candidate> by) {
+        return best_replacement(judge, result.fit, gap.rest, level, with_level, by);
+      };
+      Replacement replacement = replaced(forms.likeliest);
+      bool stands = stands_as_well(judge, result.fit, gap, replacement);
+      if (!stands && forms.freest) {
+        replacement = replaced(std::span(&*forms.freest, 1));
+        stands = stands_as_well(judge, result.fit, gap, replacement);
+      }
+      if (stands && !says_what_all_share(problem.data, replacement.fit.hypothesis) &&
           !sees_no_change(judge, replacement.fit)) {
         found.push_back(std::move(replacement));
       }
@@ -324,6 +372,15 @@ bool Judge::explains_as_well(const Fit& fit, const Fit& best) const {
   const double more = more_parameters(fit, best);
   return chi(fit) - chi(best) + more * std::log(more > 0.0 ? std::min(rows, kMostRows) : rows) <=
          kAsWell;
+}
+
+double Judge::of_any_shape(const Fit& fit, const Fit& best) const {
+  constexpr double kAkaike = 2.0;
+  return chi(fit) - chi(best) + kAkaike * more_parameters(fit, best);
+}
+
+bool Judge::draws_the_same(const Fit& fit, const Fit& best) const {
+  return more_parameters(fit, best) > 0.0 && chi(fit) <= chi(best) + kPreferred;
 }
 
 double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }

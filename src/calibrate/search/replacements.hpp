@@ -28,6 +28,13 @@ class Judge {
   /// Whether that is within 6 at no more than 150 rows: with many rows ln(rows) alone would leave
   /// out what has one parameter more, and is true.
   [[nodiscard]] bool explains_as_well(const Fit& fit, const Fit& best) const;
+  /// Whether a fit of more parameters leaves no more than another, within χ² 2: no law of slightly
+  /// another shape does that of an effect that stands out, unless these data do not tell their
+  /// conditions apart (temperatures that differ by session only).  What its shape costs is then no
+  /// evidence against its cause.
+  [[nodiscard]] bool draws_the_same(const Fit& fit, const Fit& best) const;
+  /// χ² of such a fit less that of another, with Akaike's 2 for every parameter that it has more.
+  [[nodiscard]] double of_any_shape(const Fit& fit, const Fit& best) const;
 
  private:
   const Problem& problem_;

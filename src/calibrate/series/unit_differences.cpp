@@ -46,7 +46,9 @@ MeasurementSet all_rows(const std::deque<SeriesUnit>& units) {
 /// Covariates along which gearboxes may differ.
 std::vector<Levels> levels_of(const MeasurementSet& all) {
   std::vector<Levels> levels = covariate_levels(all);
-  std::erase_if(levels, [](const Levels& l) { return l.name == "run" || l.name == "time"; });
+  std::erase_if(levels, [](const Levels& l) {
+    return l.name == "run" || l.name == "time" || l.name == "session time";
+  });
   Levels constant{.name = "", .of = std::vector<int>(all.rows.size(), 0), .count = 1};
   levels.insert(levels.begin(), std::move(constant));
   return levels;

@@ -25,6 +25,7 @@
 #include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
 #include "calibrate/verdict/rows_off.hpp"
+#include "calibrate/verdict/session_conditions.hpp"
 #include "calibrate/verdict/simulated_rows.hpp"
 #include "calibrate/verdict/unexplained.hpp"
 
@@ -116,11 +117,21 @@ bool is_implausible(const Effect& effect) {
                              [](const ParameterResult& p) { return !p.plausible; });
 }
 
+/// Whether an effect is how sessions differ: what is common to all is none.
+bool is_of_sessions(const Effect& effect) { return effect.remedy == Remedy::kProcedure; }
+
+/// Whether every session was measured at one load, speed, torque or direction of its own.  Of the
+/// temperature, which is measured, the alternatives tell whether a law of it draws the same.
+bool sessions_were_set_apart(const Diagnosis& d) {
+  return std::ranges::any_of(d.conditions_by_session,
+                             [](const std::string& name) { return name != "temperature"; });
+}
+
 Verdict verdict_of(const Diagnosis& d) {
   if (d.remainder.significant) return Verdict::kUnexplained;
   if (d.effects.empty()) return Verdict::kNoDiscrepancy;
-  const bool ambiguous = std::ranges::any_of(d.effects, [](const Effect& effect) {
-    return effect.is_doubtful() ||
+  const bool ambiguous = std::ranges::any_of(d.effects, [&](const Effect& effect) {
+    return effect.is_doubtful() || (is_of_sessions(effect) && sessions_were_set_apart(d)) ||
            std::ranges::any_of(effect.alternatives,
                                [&](const Alternative& a) { return a.remedy != effect.remedy; });
   });
@@ -525,6 +536,12 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   d.remainder.minor = minor.has_value();
   if (left.level_off && contest.structure) d.notes.push_back(*left.level_off);
   set_posteriors(d.effects, contest.structure);
+  if (std::ranges::any_of(d.effects, is_of_sessions)) {
+    for (const Levels& condition : conditions_by_session(data, levels)) {
+      d.conditions_by_session.push_back(condition.name);
+      d.notes.push_back(note_on_sessions(condition));
+    }
+  }
   d.verdict = verdict_of(d);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, d.effects,
                                       found.scale, noise.scale, options);

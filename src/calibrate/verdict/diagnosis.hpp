@@ -181,6 +181,8 @@ struct Diagnosis {
   std::optional<RefitComparison> refit;  ///< none where the model is such a refit, or has no blocks
   std::vector<CauseEvidence> evidence;
   std::vector<CovariateTest> covariates_before, covariates_after;
+  /// Conditions that are told by the session alone, beside a step or drift that is named.
+  std::vector<std::string> conditions_by_session;
   Periodogram periodogram;
   Remainder remainder;
   std::optional<NextExperiment> next_experiment;
