@@ -85,6 +85,7 @@ gear3k_library(calibrate
     laws/law_search.cpp
     measurement/impossible_rows.cpp
     measurement/left_out_rows.cpp
+    measurement/level_groups.cpp
     measurement/loop_observations.cpp
     measurement/loop_friction.cpp
     measurement/loop_reading.cpp
@@ -109,7 +110,6 @@ gear3k_library(calibrate
     verdict/diagnosis.cpp
     verdict/experiment.cpp
     verdict/left_behind.cpp
-    verdict/level_groups.cpp
     verdict/model_update.cpp
     verdict/noise_level.cpp
     verdict/possible_conditions.cpp

@@ -5,6 +5,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
 
 namespace gear3k::numerics {
 
@@ -26,6 +27,15 @@ double f_upper_quantile(double p, double degrees1, double degrees2) {
 }
 
 double gamma_upper(double a, double x) { return boost::math::gamma_q(a, x); }
+
+double hypergeometric_probability(int all, int marked, int drawn, int hit) {
+  if (hit < 0 || hit > marked || hit > drawn || drawn - hit > all - marked) return 0.0;
+  const auto log_choices = [](int n, int k) {
+    return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
+  };
+  return std::exp(log_choices(marked, hit) + log_choices(all - marked, drawn - hit) -
+                  log_choices(all, drawn));
+}
 
 ProportionBounds binomial_bounds(double trials, double count, double tail) {
   using boost::math::binomial;

@@ -29,6 +29,11 @@ double f_upper_quantile(double p, double degrees1, double degrees2);
 /// @param x  >= 0
 double gamma_upper(double a, double x);
 
+/// P(X = hit) of the hypergeometric distribution: of `drawn` out of `all`, those that are marked.
+/// @param marked, drawn  0 to all
+/// @returns 0 where so many cannot be
+double hypergeometric_probability(int all, int marked, int drawn, int hit);
+
 /// Clopper-Pearson bounds of a proportion.
 struct ProportionBounds {
   double lower, upper;

@@ -2,30 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "calibrate/fit/fit.hpp"
 #include "calibrate/measurement/noise.hpp"
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
 
-double log_binomial(int n, int k) {
-  return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
-}
-
 /// P(Bin(n, 1/2) ≥ k)
 double coin_tail(int n, int k) {
   double sum = 0.0;
-  for (int j = k; j <= n; ++j) sum += std::exp(log_binomial(n, j) - n * std::log(2.0));
+  for (int j = k; j <= n; ++j) {
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(j + 1.0) - std::lgamma(n - j + 1.0) -
+                    n * std::numbers::ln2);
+  }
   return sum;
-}
-
-/// P that j of `off` rows at random places fall into a group.
-double chance_of_places(int rows, int off, int size, int j) {
-  if (j > off || j > size || off - j > rows - size) return 0.0;
-  return std::exp(log_binomial(size, j) + log_binomial(rows - size, off - j) -
-                  log_binomial(rows, off));
 }
 
 /// The rows of a group in its sense.
@@ -68,7 +62,7 @@ constexpr double kOfSigns = 0.8;
 double chance_alike(int rows, int off, const Sense& sense) {
   double places = 0.0;
   for (int j = std::max(sense.above, sense.below); j <= std::min(off, sense.rows); ++j) {
-    places += chance_of_places(rows, off, sense.rows, j);
+    places += numerics::hypergeometric_probability(rows, sense.rows, off, j);
   }
   const double of_mean = sense.sum * sense.sum / sense.rows;
   const double about_it = (sense.squares - of_mean) / (sense.rows - 1);
@@ -82,7 +76,7 @@ double chance_alike(int rows, int off, const Sense& sense) {
 double chance_together(int rows, int off, int size, int hit) {
   double sum = 0.0;
   for (int j = hit; j <= std::min(off, size); ++j) {
-    sum += chance_of_places(rows, off, size, j) * coin_tail(j, hit);
+    sum += numerics::hypergeometric_probability(rows, size, off, j) * coin_tail(j, hit);
   }
   return std::min(1.0, 2.0 * sum);
 }

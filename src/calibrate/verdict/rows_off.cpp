@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "calibrate/measurement/level_groups.hpp"
 #include "calibrate/search/rows_together.hpp"
-#include "calibrate/verdict/level_groups.hpp"
 
 namespace gear3k::calibrate {
 

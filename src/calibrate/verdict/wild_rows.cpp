@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "calibrate/fit/fit.hpp"
+#include "calibrate/measurement/level_groups.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "calibrate/search/rows_together.hpp"
-#include "calibrate/verdict/level_groups.hpp"
 
 namespace gear3k::calibrate {
 

@@ -169,5 +169,36 @@ TEST(ImpossibleRows, LostMotionHasNoEfficiency) {
   EXPECT_EQ(set.rows.size(), 10U);
 }
 
+TEST(ImpossibleRows, OfOneSessionStayAndSpeakOfASensor) {
+  // A sensor reads a fifth too much in the second of four sessions: backward more than comes in.
+  MeasurementSet set = campaign(0.0, 1);
+  set.runs = {"mon_am", "mon_pm", "tue_am", "tue_pm"};
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    set.rows[k].condition.run = static_cast<int>(k / 30);
+    if (set.rows[k].condition.run == 1) set.rows[k].response *= 1.2;
+    set.rows[k].sigma = 1e-4;
+  }
+  EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+  EXPECT_EQ(set.rows.size(), 120U);
+  ASSERT_EQ(set.notes.size(), 1U);
+  EXPECT_NE(set.notes[0].find("15 of 120 rows, of session mon_pm"), std::string::npos)
+      << set.notes[0];
+}
+
+TEST(ImpossibleRows, OfTwoLoadsStayOneBesideTheOther) {
+  MeasurementSet set = campaign(0.0, 1);
+  // Forward at one load, backward at another; and a single reading anywhere.
+  for (Observation& o : set.rows) {
+    const bool forward = o.condition.direction == Direction::kForward;
+    const double load = o.condition.output_torque_Nm;
+    if (forward && load == 50.0 && o.condition.sun_speed_rad_s < 50.0) o.response *= 0.8;
+    if (!forward && load == 5.0 && o.condition.sun_speed_rad_s < 40.0) o.response *= 1.25;
+  }
+  set.rows[4].response *= 0.5;
+  EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+  EXPECT_EQ(set.rows.size(), 119U);
+  EXPECT_EQ(set.notes.size(), 3U);
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::impossible_rows_test

@@ -1,4 +1,4 @@
-#include "calibrate/verdict/level_groups.hpp"
+#include "calibrate/measurement/level_groups.hpp"
 
 #include <fmt/format.h>
 
