@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/errors.hpp"
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/measurement/impossible_rows.hpp"
 #include "calibrate/measurement/value_range.hpp"
@@ -191,6 +192,7 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
     std::erase_if(task.simulations,
                   [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
   }
+  for (MeasurementSet& set : data.sets) calibrate::settle_blank_conditions(set);
   for (const MeasurementSet& set : data.sets) {
     errors.collect([&] {
       const std::vector<std::string> few = calibrate::units_of_few_rows(set);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/simulation.hpp"
@@ -53,7 +54,7 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
 }
 
 std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftOrder>& orders) {
-  const ValueRange angle = range_of(*o.data, &Condition::output_angle_rad);
+  const ValueRange angle = used_range(*o.data, kOutputAngle);
   const double revolutions = (angle.high - angle.low) / (2.0 * std::numbers::pi);
   // Less of a period is hardly told from a slope.
   constexpr double kLeastPeriods = 0.6;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/simulation.hpp"
@@ -57,10 +58,10 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
 /// time (creep), and with the value at the start as parameters of their own.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
-  const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
-    ValueRange range = range_of(*o.data, member);
+  const auto add = [&](const char* variable, const char* unit, const ConditionQuantity& quantity) {
+    ValueRange range = used_range(*o.data, quantity);
     if (!range.varies()) return;
-    if (member == &Condition::time_s && o.data->record_start_s < range.low) {
+    if (quantity.member == &Condition::time_s && o.data->record_start_s < range.low) {
       range.low = o.data->record_start_s;
     }
     const double span = range.high - range.low;
@@ -89,8 +90,8 @@ std::vector<Form> forms(const Occasion& o) {
       result.push_back(form("onset_any_scale_any_exponent_any_start", 0.3 * span, 0.0));
     }
   };
-  add("time", "s", &Condition::time_s);
-  add("cycles", "", &Condition::cycles);
+  add("time", "s", kTime);
+  add("cycles", "", kCycles);
   return result;
 }
 

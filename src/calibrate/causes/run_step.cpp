@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/simulation.hpp"
@@ -52,7 +53,7 @@ bool is_between_two(const Form& form) {
 /// Ends of equal parts of the time, where no runs are told apart, or one is all.
 std::vector<double> instants(const MeasurementSet& data) {
   constexpr int kParts = 10;
-  const ValueRange time = range_of(data, &Condition::time_s);
+  const ValueRange time = used_range(data, kTime);
   std::vector<double> result;
   if (!time.varies()) return result;
   result.reserve(kParts - 1);

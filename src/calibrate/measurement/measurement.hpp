@@ -77,6 +77,8 @@ struct MeasurementSet {
   std::vector<LoopSession> loops{};  ///< from which rows were read, where they were
   /// By file: the gearbox of a series that it was measured on; empty where no file states one.
   std::vector<std::string> units{};
+  /// Conditions that many rows lack: no cause that follows one is looked for.
+  std::vector<double Condition::*> unused{};
   /// Where the responses are no longer as they were read; else empty: they say it themselves.
   std::optional<Readings> readings{};
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "backlash/lost_motion.hpp"
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "design/scalar_as.hpp"
 #include "design/sun_torque.hpp"
@@ -437,7 +438,7 @@ Occasion Simulation::occasion(const MeasurementSet& data) const {
   o.ratio = ratio();
   const ValueRange torque = range_of(data, &Condition::output_torque_Nm);
   const ValueRange speed = range_of(data, &Condition::sun_speed_rad_s);
-  const ValueRange temperature = range_of(data, &Condition::temperature_K);
+  const ValueRange temperature = used_range(data, kTemperature);
   o.temperature_K = {temperature.low, temperature.high};
   if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {
     o.teeth = &gearbox->design.train.teeth;
