@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <tuple>
+#include <utility>
+
+#include "calibrate/measurement/covariate_levels.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -83,23 +88,53 @@ bool is_sorted(const ConditionByLine& c) {
   return differ > 0.0 && std::abs(static_cast<double>(kept[1] - kept[0])) >= kLeast * differ;
 }
 
-/// Whether lines stand in the order of a condition.  One that follows the line before without that,
-/// as the temperature of a chamber does, was measured so; an angle may go on by itself.
-bool lines_are_sorted(const MeasurementSet& data) {
-  const auto sorted_by = [&](const auto& get) { return is_sorted(by_line(data, get)); };
-  return sorted_by([](const Condition& c) { return c.output_torque_Nm; }) ||
-         sorted_by([](const Condition& c) { return c.sun_speed_rad_s; }) ||
-         sorted_by([](const Condition& c) { return c.test_torque_Nm; }) ||
-         sorted_by([](const Condition& c) { return c.temperature_K; }) ||
-         sorted_by([](const Condition& c) { return c.rotation; }) ||
-         sorted_by([](const Condition& c) { return c.driving_teeth; }) ||
-         sorted_by([](const Condition& c) { return c.driven_teeth; }) ||
-         sorted_by([](const Condition& c) { return c.module_m; }) ||
-         sorted_by(
-             [](const Condition& c) { return c.direction == design::Direction::kForward ? 0 : 1; });
+/// Whether a temperature was set: it takes a few values, each within a fifth of the range, most of
+/// which a session holds for three lines or more.  One that is read moves in one sense because time
+/// does.
+bool is_set_temperature(const MeasurementSet& data) {
+  const std::vector<Levels> levels = covariate_levels(data);
+  const auto temperature = std::ranges::find(levels, "temperature", &Levels::name);
+  if (temperature == levels.end() || temperature->binned) return false;
+  constexpr int kHeld = 3;
+  constexpr double kNarrow = 0.2;
+  std::map<std::pair<int, int>, int> lines;  // by session and level
+  std::vector<ValueRange> width(static_cast<std::size_t>(temperature->count));
+  ValueRange all;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const Condition& c = data.rows[i].condition;
+    if (temperature->of[i] < 0) continue;
+    ++lines[{c.run, temperature->of[i]}];
+    width[static_cast<std::size_t>(temperature->of[i])].extend(c.temperature_K);
+    all.extend(c.temperature_K);
+  }
+  const bool narrow = std::ranges::all_of(
+      width, [&](const ValueRange& w) { return w.high - w.low <= kNarrow * (all.high - all.low); });
+  if (!narrow) return false;
+  const auto held = std::ranges::count_if(lines, [](const auto& l) { return l.second >= kHeld; });
+  return 2 * held >= static_cast<std::ptrdiff_t>(lines.size());
 }
 
 }  // namespace
+
+std::string_view lines_sorted_by(const MeasurementSet& data) {
+  const auto sorted_by = [&](const auto& get) { return is_sorted(by_line(data, get)); };
+  // What follows the line before without that, as a temperature that is read does, was measured so;
+  // an angle may go on by itself.
+  if (sorted_by([](const Condition& c) { return c.output_torque_Nm; })) return "output torque";
+  if (sorted_by([](const Condition& c) { return c.sun_speed_rad_s; })) return "sun speed";
+  if (sorted_by([](const Condition& c) { return c.test_torque_Nm; })) return "test torque";
+  if (sorted_by([](const Condition& c) { return c.temperature_K; }) && is_set_temperature(data)) {
+    return "temperature";
+  }
+  if (sorted_by([](const Condition& c) { return c.rotation; })) return "rotation";
+  if (sorted_by([](const Condition& c) { return c.driving_teeth; })) return "teeth";
+  if (sorted_by([](const Condition& c) { return c.driven_teeth; })) return "teeth";
+  if (sorted_by([](const Condition& c) { return c.module_m; })) return "module";
+  const auto backward = [](const Condition& c) {
+    return c.direction == design::Direction::kForward ? 0 : 1;
+  };
+  return sorted_by(backward) ? "direction" : "";
+}
 
 ReadingOrder reading_order(const MeasurementSet& data) {
   // Rows of one loop share more than their neighbourhood.
@@ -113,7 +148,7 @@ ReadingOrder reading_order(const MeasurementSet& data) {
     clock = &Condition::time_s;
   } else if (stated(&Condition::cycles)) {
     clock = &Condition::cycles;
-  } else if (lines_are_sorted(data)) {
+  } else if (!lines_sorted_by(data).empty()) {
     return {};
   }
   ReadingOrder order{.row = std::vector<int>(data.rows.size()), .step = {}};

@@ -2,6 +2,7 @@
 // Noise that remembers: readings that are off together with those before them.
 
 #include <Eigen/Core>
+#include <string_view>
 #include <vector>
 
 #include "calibrate/measurement/measurement.hpp"
@@ -16,10 +17,15 @@ struct ReadingOrder {
   [[nodiscard]] bool known() const { return !row.empty(); }
 };
 
-/// By time, else by cycles, where all rows state it; else as in the files, where no condition but
-/// an angle moves with that order in one sense (of pairs of lines of a session that differ by more
-/// than 2 % of its range 99 %, but for one line in twenty): lines may have been sorted by it, and
-/// what is off with it would look like memory.  Empty where the data do not tell.
+/// The condition that was set and that moves in one sense with the order of the lines (of pairs of
+/// lines of a session that differ by more than 2 % of its range 99 %, but for one line in twenty):
+/// lines may have been sorted by it, and what is off with it would look like memory.  An angle is
+/// none, nor is a temperature that was only read: it moves in one sense because time does.
+/// @returns "" where there is none
+std::string_view lines_sorted_by(const MeasurementSet& data);
+
+/// By time, else by cycles, where all rows state it; else as in the files, unless
+/// lines_sorted_by() some condition.  Empty where the data do not tell.
 ReadingOrder reading_order(const MeasurementSet& data);
 
 /// The order of some of the rows, ascending, by their places among these.

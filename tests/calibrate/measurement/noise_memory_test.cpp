@@ -60,13 +60,34 @@ TEST(ReadingOrder, OfAChamberThatIsSetNowAndThenIsThatOfTheLines) {
     data.rows.push_back(row);
   }
   EXPECT_TRUE(reading_order(data).known());
-  // From the warmest row to the coldest, in two sessions: sorted.
+  // Set from the warmest to the coldest, ten rows each, in two sessions: sorted.
   for (int i = 0; i < 60; ++i) {
     Condition& c = data.rows[static_cast<std::size_t>(i)].condition;
     c.run = i / 30;
-    c.temperature_K = 310.0 - i % 30;
+    c.temperature_K = 310.0 - 10.0 * (i % 30 / 10) + 0.5 * random.uniform();
   }
+  EXPECT_EQ(lines_sorted_by(data), "temperature");
   EXPECT_FALSE(reading_order(data).known());
+}
+
+TEST(ReadingOrder, OfAGearboxThatWarmsUpIsThatOfTheLines) {
+  // Quickly or slowly, to the same end in three sessions, read to a tenth of a kelvin.
+  for (const double rows : {1.0, 2.0, 4.0, 8.0, 20.0, 60.0}) {
+    for (const int count : {20, 40, 120}) {
+      MeasurementSet data;
+      RandomBits random(7);
+      for (int i = 0; i < 3 * count; ++i) {
+        Observation row;
+        row.condition.run = i / count;
+        const double warm_K = 310.0 - 18.0 * std::exp(-(i % count) / rows);
+        row.condition.temperature_K = std::round(10.0 * (warm_K + 0.1 * random.normal())) / 10.0;
+        row.condition.output_torque_Nm = 1.0 + std::floor(11.0 * random.uniform());
+        data.rows.push_back(row);
+      }
+      EXPECT_EQ(lines_sorted_by(data), "") << rows << ", " << count;
+      EXPECT_TRUE(reading_order(data).known());
+    }
+  }
 }
 
 /// Lines of 13 set torques, four of each, from the least to the greatest; each read 0.3 % off.
