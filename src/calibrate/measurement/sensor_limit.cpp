@@ -79,6 +79,28 @@ bool is_saturated(const RowsAtLimit& at, const SunTorques& torques) {
          !(torques.slope * spread <= 2.0 * torques.resolution);
 }
 
+/// Notes loaded rows that read exactly 0 where the sensor shows far smaller torques than the least
+/// other one: they were cut off at 0, or the gearbox holds its load by itself.
+void note_zeros(MeasurementSet& set, const SunTorques& torques) {
+  std::vector<char> marked(set.rows.size(), 0);
+  std::size_t count = 0;
+  double least_other = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    const Observation& o = set.rows[k];
+    if (o.response > 0.0) least_other = std::min(least_other, o.response);
+    if (o.response != 0.0 || !(o.condition.output_torque_Nm > 0.0)) continue;
+    marked[k] = 1;
+    ++count;
+  }
+  constexpr double kFiner = 20.0;
+  if (count < kSaturatedRows || !(kFiner * torques.resolution < least_other)) return;
+  set.notes.push_back(fmt::format(
+      "{}: {} loaded rows hold a sun_torque_nm of exactly 0: readings that were cut off at 0 are "
+      "no "
+      "measurements, leave them out; a gearbox that holds its load by itself reads so, too",
+      places_of(set, marked), count));
+}
+
 }  // namespace
 
 std::optional<std::string> leave_out_saturated(MeasurementSet& set) {
@@ -110,7 +132,10 @@ std::optional<std::string> leave_out_saturated(MeasurementSet& set) {
         "is at its limit",
         places_of(set, at.marked), at.count, name, value, at.least_load_Nm, at.greatest_load_Nm));
   }
-  if (count == 0) return std::nullopt;
+  if (count == 0) {
+    note_zeros(set, *torques);
+    return std::nullopt;
+  }
   if (static_cast<double>(count) > kMostSaturated * static_cast<double>(rows.size())) {
     return fmt::format("{}; that is {} of {} rows, allowed: at most half", fmt::join(found, "; "),
                        count, rows.size());

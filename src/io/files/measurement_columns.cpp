@@ -230,6 +230,13 @@ MeantColumn meant_column(std::string_view written,
       return {.column = column, .other_unit = true};
     }
   }
+  // The end of a name says which where no other that is wanted ends so.
+  const auto ends_so = [&](const Column* column) {
+    return column->required && column->name.ends_with("_" + name);
+  };
+  if (std::ranges::count_if(absent, ends_so) == 1) {
+    return {.column = *std::ranges::find_if(absent, ends_so)};
+  }
   const std::string near = closest_word(name, names);
   for (const Column* column : absent) {
     if (!near.empty() && column->name == near) return {.column = column};

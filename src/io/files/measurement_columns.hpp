@@ -37,7 +37,8 @@ struct MeasurementColumn {
 const std::vector<MeasurementColumn>& columns_of(calibrate::Kind kind);
 
 /// The column that a name of a header stands for when it is not written as it must be: another
-/// case, the same quantity in another unit or without one, or a slip of the pen.
+/// case, the same quantity in another unit or without one, the end of a required one ("speed_rpm"),
+/// or a slip of the pen.
 struct MeantColumn {
   const MeasurementColumn* column = nullptr;  ///< null: none of them
   bool other_unit = false;

@@ -846,6 +846,35 @@ TEST(Measurements, ASensorThatReadsNothingBelowALimitIsNamed) {
   expect_in("8 rows hold the least sun_torque_nm, 0, at loads from 5 to 12 N m", notes_of(set));
 }
 
+TEST(Measurements, TheEndOfARequiredNameIsMeantWhereOneEndsSo) {
+  expect_in("column speed_rpm: did you mean sun_speed_rpm?",
+            errors_of("# kind: transmission\n"
+                      "direction,speed_rpm,output_torque_nm,sun_torque_nm\nforward,1,1,1\n"));
+  // Either torque, or a column of its own beside all that are asked for.
+  const std::string either =
+      errors_of("# kind: transmission\ndirection,sun_speed_rpm,torque_nm\nforward,1,1\n");
+  EXPECT_EQ(either.find("did you mean"), std::string::npos) << either;
+  EXPECT_EQ(set_of("# kind: transmission\n"
+                   "direction,sun_speed_rpm,output_torque_nm,sun_torque_nm,speed_rpm,angle_deg\n"
+                   "forward,200,5,0.06,3,1\n")
+                .covariates.size(),
+            2U);
+}
+
+TEST(Measurements, LoadedRowsOfExactlyNothingAreNamed) {
+  const auto with_zeros = [](int zeros, const char* load, const char* format) {
+    std::string text = kTransmission + forward_rows(30);
+    for (int k = 0; k < zeros; ++k) {
+      text += fmt::format("backward,{},{},{}\n", 200 + k, load, format);
+    }
+    return notes_of(set_of(text));
+  };
+  expect_in("6 loaded rows hold a sun_torque_nm of exactly 0", with_zeros(6, "50", "0"));
+  EXPECT_EQ(with_zeros(4, "50", "0").find("exactly 0"), std::string::npos);
+  EXPECT_EQ(with_zeros(6, "0", "0").find("exactly 0"), std::string::npos) << "nothing to hold";
+  EXPECT_EQ(with_zeros(6, "50", "0.0001").find("exactly 0"), std::string::npos);
+}
+
 TEST(Measurements, MoreThanHalfAtTheLimitIsRefused) {
   expect_in("that is 80 of 100 rows, allowed: at most half", errors_of(clipped(0.17)));
   expect_in("that is 100 of 100 rows", errors_of(clipped(0.01)));
