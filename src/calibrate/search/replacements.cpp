@@ -527,6 +527,36 @@ void prefer_parameters(const Judge& judge, SearchResult& result) {
   }
 }
 
+namespace {
+
+/// Whether the last effect of a hypothesis has values that a gearbox may show.
+bool last_is_plausible(const Hypothesis& h) {
+  const auto values = values_of(h, h.effects.size() - 1);
+  const auto& records = h.effects.back().parameters;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!(values[k] >= records[k].plausible_low && values[k] <= records[k].plausible_high)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool take_likelier_name(SearchResult& result) {
+  for (std::size_t e = 0; e < result.effects.size(); ++e) {
+    if (is_parameter(*result.fit.hypothesis.effects[e].cause)) continue;
+    for (Replacement& r : result.effects[e].replacements) {
+      const Hypothesis& h = r.fit.hypothesis;
+      if (!(r.statistic < -kLikelier)) continue;
+      if (h.effects.size() > kMostEffects || !last_is_plausible(h)) continue;
+      result.fit = r.with_level ? std::move(r.fit) : in_place(std::move(r.fit), e);
+      return true;
+    }
+  }
+  return false;
+}
+
 void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
                            SearchResult& result) {
   const Candidate* level = level_of(result);

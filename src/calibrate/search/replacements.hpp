@@ -61,6 +61,16 @@ void prefer_parameters(const Judge& judge, SearchResult& result);
 void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
                            SearchResult& result);
 
+/// χ² by which a replacement must be ahead to be likelier than the name: what set_posteriors()
+/// makes of either (docs/theory §30).
+inline constexpr double kLikelier = 2.2;
+
+/// Takes a replacement that is likelier than the name it may replace.  The coefficient of friction
+/// stays, as it is preferred whatever is ahead by less than χ² 4; and so does a name where the
+/// values of what is likelier are none that a gearbox shows.
+/// @returns whether one was taken: all effects are to be judged anew
+bool take_likelier_name(SearchResult& result);
+
 /// Takes both and looks for other bodies that show each cause as well; p-values and BIC become
 /// those of the names that stay, and of a form that is not searched for the p-value is that of the
 /// form which was.

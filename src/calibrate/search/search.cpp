@@ -277,12 +277,19 @@ Fit in_other_shapes(const Problem& problem, const std::vector<Candidate>& all,
 /// Judges the effects of the fit and takes out, the weakest first, those that do not pay.
 void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, const Judge& judge,
                     double scale, SearchResult& result) {
+  int names = 0;
   while (true) {
     std::vector<FoundEffect> judged(result.fit.hypothesis.effects.size());
     for_fits(problem, judged.size(),
              [&](std::size_t e) { judged[e] = judge_effect(judge, result, e); });
     result.effects = std::move(judged);
     take_better_names(judge, all, result);
+    // Each is ahead of the one before.
+    constexpr int kMostNames = 4;
+    if (names < kMostNames && take_likelier_name(result)) {
+      ++names;
+      continue;
+    }
     // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
     // law of slightly another shape than the true one leaves what a second cause takes up.
     constexpr double kStrong = 10.0;

@@ -81,6 +81,36 @@ TEST_F(OneSlope, OfAGainIsGivenToTheCoefficientOfFriction) {
   EXPECT_NEAR(was->statistic, 0.0, 1e-6);
 }
 
+TEST_F(OneSlope, ThatIsLikelierTakesThePlaceOfTheName) {
+  const Hypothesis gain = hypothesis({candidate("sensor_gain", {.name = "gain"})}, {0.05});
+  measure(gain, kNoise);
+  const Problem p = problem();
+  // The same line by another name, as far ahead as is said here.
+  const auto with_lead = [&](double statistic, const std::string& id, double value) {
+    SearchResult result = found(p, gain);
+    const Candidate other = candidate(
+        id, id == "friction_level" ? Form{.name = "coefficient"} : Form{.name = "offset"});
+    Fit fit_of_it = result.fit;
+    fit_of_it.hypothesis = hypothesis({other}, {value});
+    result.effects[0].replacements = {
+        {.candidate = other, .statistic = statistic, .fit = std::move(fit_of_it)}};
+    return result;
+  };
+  SearchResult ahead = with_lead(-2.3, "sensor_offset", 0.01);
+  EXPECT_TRUE(take_likelier_name(ahead));
+  EXPECT_EQ(name(ahead), "sensor_offset");
+  SearchResult as_good = with_lead(-2.1, "sensor_offset", 0.01);
+  EXPECT_FALSE(take_likelier_name(as_good));
+  EXPECT_EQ(name(as_good), "sensor_gain");
+  // Not by values that no gearbox shows.
+  SearchResult implausible = with_lead(-5.0, "friction_level", -3.0);
+  EXPECT_FALSE(take_likelier_name(implausible));
+  // The coefficient of friction stays, whatever is a little ahead.
+  SearchResult level = with_lead(-3.0, "sensor_offset", 0.01);
+  level.fit.hypothesis = hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.1});
+  EXPECT_FALSE(take_likelier_name(level));
+}
+
 TEST_F(OneSlope, ThatNoGearboxShowsIsNotGivenToIt) {
   // Half as much again: friction would have to be several times the design's.
   const Hypothesis gain = hypothesis({candidate("sensor_gain", {.name = "gain"})}, {0.5});

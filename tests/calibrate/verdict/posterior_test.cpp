@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "calibrate/search/replacements.hpp"
+
 namespace gear3k::calibrate::posterior_test {
 namespace {
 
@@ -42,6 +44,12 @@ TEST(SetPosteriors, OddsOfAnAlternativeFallLessAndLessByItsStatistic) {
   // (1 + 5.7/5.7)^-3 and (1 + 17.1/5.7)^-3.
   EXPECT_NEAR(e.alternatives[0].probability / e.alternatives[1].probability, 8.0, 1e-9);
   EXPECT_NEAR(e.alternatives[0].probability / e.alternatives[2].probability, 64.0, 1e-9);
+}
+
+TEST(SetPosteriors, AnAlternativeIsLikelierThanTheNameFromWhereTheSearchTakesIt) {
+  std::vector<Effect> effects{effect(200.0, {-kLikelier})};
+  set_posteriors(effects, false);
+  EXPECT_NEAR(effects[0].probability, effects[0].alternatives[0].probability, 1e-12);
 }
 
 TEST(SetPosteriors, WhatFitsFarBetterIsNotTakenAtItsStatistic) {
