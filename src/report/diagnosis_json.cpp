@@ -327,6 +327,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                   {"fingerprint", fmt::format("fnv1a64:{:016x}", set.fingerprint)},
                   {"noise",
                    {{"source", kNoiseNames[static_cast<std::size_t>(d.noise_source)]},
+                    {"stated", d.stated_noise / si},
                     {"repeat_degrees", d.repeat_degrees},
                     {"session_deviation", d.session_deviation / si},
                     {"memory", memory_json(d.memory)}}}};

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/left_out_rows.hpp"
 #include "io/text/printable.hpp"
 #include "report/condition_columns.hpp"
@@ -97,13 +98,19 @@ std::string alternative_text(const Alternative& a, const std::vector<std::string
 /// @param several  whether other causes act beside it
 std::string effect_text(const Effect& e, const std::vector<std::string>& runs, bool several,
                         calibrate::Kind kind) {
-  std::string text = fmt::format("Cause: {}{}: {}{}. [{}]\n", e.title, place_clause(e.id, e.form),
-                                 parameters_text(e.parameters), form_clause(e.form, runs), e.id);
+  // What is likelier to have no cause of the library is not called one.
+  std::string text = fmt::format("{}: {}{}: {}{}. [{}]\n",
+                                 e.is_doubtful() ? "Nearest cause, but likely none" : "Cause",
+                                 e.title, place_clause(e.id, e.form), parameters_text(e.parameters),
+                                 form_clause(e.form, runs), e.id);
   if (e.id == "friction_level") text += "  This is a parameter, not a missing effect.\n";
   if (e.preferred_parameter) {
-    text +=
-        "  A missing effect explains the data as well; the parameter is preferred because it "
-        "needs no new physics.\n";
+    const bool ahead = std::ranges::any_of(
+        e.alternatives, [&](const Alternative& a) { return a.probability > e.probability; });
+    text += fmt::format(
+        "  A missing effect explains the data as well{}; the parameter is preferred because it "
+        "needs no new physics.\n",
+        ahead ? " or a little better" : "");
   }
   for (const ParameterResult& p : e.parameters) text += limits_text(p);
   for (const Alternative& other : e.other_bodies) {
@@ -150,17 +157,13 @@ std::string correction_text(const Diagnosis& d) {
   if (!d.correction) return "";
   const ResponseText response = response_text(d.kind);
   const calibrate::Correction& c = *d.correction;
-  const bool agrees = !d.remainder.significant;
-  if (!d.effects.empty() || agrees) {
+  if (!d.effects.empty() || !d.remainder.significant) {
     return fmt::format(
         "The model predicts by {} alone: {}\n"
-        "  It predicts rows held out (by {}) to {}; {}.\n",
+        "  It predicts rows held out (by {}) to {}; of all rows left out, by load, test torque, "
+        "speed and session, the causes above predict some less well, or none surely better.\n",
         c.id, parameters_text(c.parameters), d.holdout_blocks,
-        with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit),
-        agrees && d.effects.empty()
-            ? "the simulation as given predicts them less well"
-            : "of all rows left out, by load, test torque, speed and session, the causes above "
-              "predict some less well, or none surely better");
+        with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit));
   }
   return fmt::format(
       "Empirical correction (no cause): {} as a formula: {}\n"
@@ -203,7 +206,27 @@ std::string noise_text(const Diagnosis& d) {
     case NoiseSource::kResiduals:
       break;
   }
-  return "from what is left, for want of sigma and of enough repeats";
+  return std::isfinite(d.stated_noise)
+             ? "from what is left"
+             : "from what is left, for want of sigma and of enough repeats";
+}
+
+/// Scatter of the rows over what they state, where the stated level is not theirs; else empty.
+std::optional<double> scatter_over_stated(const Diagnosis& d) {
+  if (d.noise_source == NoiseSource::kStated || !std::isfinite(d.stated_noise)) return std::nullopt;
+  return d.errors.noise_floor / d.stated_noise;
+}
+
+/// "The rows scatter by 2.1 times the sigma that they state (0.0003 Nm)."
+std::string stated_noise_text(const Diagnosis& d) {
+  const std::optional<double> factor = scatter_over_stated(d);
+  if (!factor || !std::isfinite(*factor)) return "";
+  const std::string stated = error_text(d.stated_noise, d, 0.0);
+  return *factor > 1.0
+             ? fmt::format("The rows scatter by {:.3g} times the sigma that they state ({}).\n",
+                           *factor, stated)
+             : fmt::format("The stated sigma ({}) is {:.3g} times what the rows scatter by.\n",
+                           stated, 1.0 / *factor);
 }
 
 std::string headline(const Diagnosis& d, const MeasurementSet& set) {
@@ -230,6 +253,7 @@ std::string headline(const Diagnosis& d, const MeasurementSet& set) {
       "(Root mean square {} of a mean {} of {}; noise {}, {}.)\n",
       off, noise, error_text(d.errors.baseline_train, d, 0.0), response.title,
       error_text(mean, d, 0.0), error_text(d.errors.noise_floor, d, 0.0), noise_text(d));
+  text += stated_noise_text(d);
   if (d.session_deviation > 0.0) {
     text += fmt::format("Sessions scatter by {} beyond that.\n",
                         error_text(d.session_deviation, d, 0.0));
@@ -274,7 +298,16 @@ std::string ambiguous_text(const Diagnosis& d) {
       fmt::join(doubtful, ", "));
 }
 
-std::string verdict_text(const Diagnosis& d) {
+/// Whether what is left follows a condition that many rows lack, so that nothing was looked for
+/// that does.
+bool follows_unused(const Diagnosis& d, const MeasurementSet& set) {
+  const auto column = column_of(d.remainder.along, d.kind);
+  return column && std::ranges::any_of(calibrate::kConditionQuantities, [&](const auto& quantity) {
+           return quantity.column == column->name && calibrate::is_unused(set, quantity);
+         });
+}
+
+std::string verdict_text(const Diagnosis& d, const MeasurementSet& set) {
   switch (d.verdict) {
     case Verdict::kNoDiscrepancy:
       if (!std::isfinite(d.errors.noise_floor)) {
@@ -284,6 +317,11 @@ std::string verdict_text(const Diagnosis& d) {
       if (d.session_deviation > 0.0) {
         return "Verdict: no discrepancy beyond what the sessions differ by. Within a session the "
                "simulation agrees with these data within their noise.\n";
+      }
+      if (const auto factor = scatter_over_stated(d); factor && *factor > 1.0) {
+        return "Verdict: no discrepancy beyond how the rows scatter: along nothing that the data "
+               "state is the simulation off. The stated sigma is too small, or rows differ in what "
+               "the file does not say.\n";
       }
       return "Verdict: no discrepancy. The simulation agrees with these data within their noise.\n";
     case Verdict::kExplained:
@@ -295,6 +333,12 @@ std::string verdict_text(const Diagnosis& d) {
   }
   if (!d.effects.empty() && !d.remainder.significant) {
     return "Verdict: unexplained. What fits takes values that no gearbox shows.\n";
+  }
+  if (follows_unused(d, set)) {
+    return fmt::format(
+        "Verdict: unexplained. Something is left along {}, which many rows do not state: causes "
+        "that follow it were not looked for.\n",
+        d.remainder.along);
   }
   return d.effects.empty()
              ? "Verdict: unexplained. The simulation is off and no known cause explains it.\n"
@@ -400,7 +444,7 @@ bool repeats_scatter_as_much(const Diagnosis& d) {
          d.lack_of_fit.p_value > kLikely;
 }
 
-std::string remainder_text(const Diagnosis& d) {
+std::string remainder_text(const Diagnosis& d, const MeasurementSet& set) {
   const auto& r = d.remainder;
   if (!r.significant && r.minor) {
     return "Left over: more than noise makes, too little of the discrepancy to look for (see the "
@@ -442,6 +486,8 @@ std::string remainder_text(const Diagnosis& d) {
                             r.along == "session time"
                                 ? "What warms up or settles does so anew in every session; "
                                   "measured temperatures would tell."
+                            : follows_unused(d, set)
+                                ? "Causes of it were not looked for: many rows do not state it."
                                 : "No known cause does this.");
 }
 
@@ -480,7 +526,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
                                  d.subject.empty() ? "" : ": ", rows_text(set.rows.size()),
                                  calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
                                  fmt::join(set.files, ", "));
-  text += headline(d, set) + verdict_text(d) + implausible_text(d);
+  text += headline(d, set) + verdict_text(d, set) + implausible_text(d);
   const bool several = d.effects.size() > 1;
   if (several && std::ranges::find(d.effects, "friction_level", &Effect::id) != d.effects.end()) {
     text += "One coefficient of friction cannot explain these data by itself.\n";
@@ -490,7 +536,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   std::string laws;
   for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);
   text += unit_series_text(d) + evidence_table(d) + covariate_table(d) + gain_table(d, set) +
-          remainder_text(d) + laws + correction_text(d) + lack_text(d) + loop_table(set) +
+          remainder_text(d, set) + laws + correction_text(d) + lack_text(d) + loop_table(set) +
           experiment_table(d) + notes_text(d, set);
   return text;
 }

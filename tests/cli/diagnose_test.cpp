@@ -102,14 +102,19 @@ TEST(Diagnose, RowsTooFewToTellTheirNoiseSayNothingOfIt) {
               "forward,800,20,0.2512\n");
   const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  // One parameter predicts them better; what is noise is not known with it either.
-  EXPECT_TRUE(contains(result.out, "The model predicts by ")) << result.out;
+  // One parameter predicts them better, which says nothing while what is noise is not known.
+  EXPECT_FALSE(contains(result.out, "The model predicts by ")) << result.out;
   EXPECT_TRUE(contains(result.out, "Verdict: no discrepancy found, but too few rows to know"))
       << result.out;
   EXPECT_FALSE(contains(result.out, "beyond noise")) << result.out;
   const json data = json::parse(place.read("out/diagnosis.json"));
   EXPECT_EQ(data.at("verdict"), "no_discrepancy");
   EXPECT_TRUE(data.at("rmse").at("noise_floor").is_null());
+  EXPECT_TRUE(data.at("correction").is_null());
+  EXPECT_TRUE(data.at("best_refit").at("found_held_out_error").get<double>() >
+              data.at("best_refit").at("held_out_error").get<double>());
+  EXPECT_FALSE(data.at("best_refit").at("predicts").get<bool>());
+  EXPECT_TRUE(data.at("data").at("noise").at("stated").is_null());
 }
 
 TEST(Diagnose, WritesResultsAndFigures) {

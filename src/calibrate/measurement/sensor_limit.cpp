@@ -92,7 +92,7 @@ void note_zeros(MeasurementSet& set, const SunTorques& torques) {
     marked[k] = 1;
     ++count;
   }
-  constexpr double kFiner = 20.0;
+  constexpr double kFiner = 10.0;
   if (count < kSaturatedRows || !(kFiner * torques.resolution < least_other)) return;
   set.notes.push_back(fmt::format(
       "{}: {} loaded rows hold a sun_torque_nm of exactly 0: readings that were cut off at 0 are "

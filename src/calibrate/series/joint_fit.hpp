@@ -5,6 +5,7 @@
 #include <deque>
 #include <vector>
 
+#include "calibrate/fit/fit.hpp"
 #include "calibrate/series/units.hpp"
 
 namespace gear3k::calibrate {

@@ -303,6 +303,20 @@ std::string note_on_unknown_noise(std::size_t rows) {
       rows, rows == 1 ? "" : "s");
 }
 
+/// Said where nothing tells in which order rows were read that could show how noise remembers.
+void tell_unknown_order(const Problem& problem, std::vector<std::string>& notes) {
+  const MeasurementSet& data = problem.data;
+  if (problem.noise.order.known() || data.kind == Kind::kTorqueAngle ||
+      data.rows.size() < kFewestRememberingRows) {
+    return;
+  }
+  notes.push_back(
+      fmt::format("the lines are sorted by {} and not all rows state time_s or cycles: their order "
+                  "says nothing "
+                  "of time, and readings are taken as independent",
+                  lines_sorted_by(data)));
+}
+
 std::string note_on_orders(double highest) {
   return fmt::format(
       "orders of the angle above {:.4g} per turn of the output were not looked through: too many "
@@ -328,7 +342,8 @@ struct Measured {
 void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const HeldOut& held) {
   const Problem& problem = m.problem;
   const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
-  const NoiseLevel noise = noise_level(problem.noise, m.pure, final.scale);
+  const NoiseLevel noise =
+      noise_level(problem.noise, m.pure, final.scale, d.noise_source == NoiseSource::kStated);
   // What few rows do not tell they do not tell by another fit.
   const bool known = std::isfinite(d.errors.noise_floor);
   d.errors = errors_of(problem, m.baseline, final, held);
@@ -405,6 +420,10 @@ void tell_noise(Diagnosis& d, const Problem& problem, const NoiseLevel& noise,
   d.noise_source = noise.source;
   d.errors.noise_floor = noise.scale / typical_weight;
   d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
+  if (problem.noise.source == NoiseSource::kStated) {
+    d.stated_noise = 1.0 / typical_weight;
+    if (noise.source != NoiseSource::kStated) d.notes.push_back(note_on_stated_level(noise.scale));
+  }
   if (is_known || !d.effects.empty()) return;
   d.errors.noise_floor = kUnknown;
   d.notes.push_back(note_on_unknown_noise(problem.data.rows.size()));
@@ -426,8 +445,9 @@ void add_correction(Diagnosis& d, const Measured& m, const std::optional<FoundCo
                   .held_out_gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout};
 }
 
-/// Where no law is given: by the causes, else where structure is left by a correction, else by the
-/// simulation as given; by the refit of one parameter where that predicts better.
+/// Where no law is given: by the causes, else where structure is left by a correction, and by the
+/// refit of one parameter where that predicts better; where nothing is found by the simulation as
+/// given.
 void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis& causes,
                                const SearchResult& found, const Blocks& blocks, double row_scale) {
   std::optional<FoundCorrection> formula;
@@ -440,10 +460,9 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
       contest_of(d, m, formula ? formula->fit.hypothesis : causes, found.candidates, scale);
   const bool nothing_found = causes.effects.empty() && !d.remainder.significant;
   if (contest && nothing_found) {
-    // Luck makes one parameter better than none in every third campaign; a model that is found to
-    // agree stays as it is as long as it is not much worse.
-    d.refit->predicts =
-        contest->refit_is_better() && is_much_worse(contest->missed, contest->missed_by_refit);
+    // Luck makes one parameter better than none in every third campaign: a simulation that is found
+    // to agree stays as it is.
+    d.refit->predicts = false;
   }
   if (d.refit && d.refit->predicts) formula = contest->refit;
   add_correction(d, m, formula, blocks, scale);
@@ -510,8 +529,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
       extrapolate(problem, standing.hypothesis, levels, baseline.measured, baseline.simulated);
 
   const double row_scale = final.scale > 0.0 ? final.scale : found.scale;
-  const NoiseLevel noise = noise_level(problem.noise, pure, row_scale);
-  tell_noise(d, problem, noise, sessions, row_scale, noise_is_known(noise.source, final));
+  tell_unknown_order(problem, d.notes);
   if (left.of_fit.highest_order > 0.0) d.notes.push_back(note_on_orders(left.of_fit.highest_order));
   Eigen::MatrixXd whitened = baseline.measured - final.simulated;
   problem.noise.whiten(whitened);
@@ -520,10 +538,9 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
       row_results(all_data.rows.size(), rows, problem, baseline, final, held, whitened, row_scale);
 
   // The verdict, and what would tell more.
-  const std::optional<std::string> minor =
-      settle(contest, problem.noise,
-             {.whitened = whitened_left, .degrees = final.degrees, .scale = row_scale}, left.before,
-             remainder_rate, !standing.found.empty());
+  const LeftOver left_over{.whitened = whitened_left, .degrees = final.degrees, .scale = row_scale};
+  const std::optional<std::string> minor = settle(contest, problem.noise, left_over, left.before,
+                                                  remainder_rate, !standing.found.empty());
   if (minor) d.notes.push_back(*minor);
   const auto off = static_cast<std::size_t>(std::ranges::count_if(d.rows, &RowResult::outlier));
   if (const double chance = chance_of_outliers(off, data.rows.size());
@@ -531,6 +548,10 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
   }
+  const bool has_structure = contest.structure || minor;
+  const NoiseLevel noise = noise_level(problem.noise, pure, row_scale,
+                                       stated_level_holds(problem.noise, left_over, has_structure));
+  tell_noise(d, problem, noise, sessions, row_scale, noise_is_known(noise.source, final));
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
   d.remainder.minor = minor.has_value();

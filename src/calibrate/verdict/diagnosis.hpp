@@ -170,6 +170,7 @@ struct Diagnosis {
   std::string holdout_blocks;     ///< "load", "speed", "run", "pinion", "angle", "test torque"
   Extrapolation extrapolation;
   NoiseSource noise_source = NoiseSource::kResiduals;
+  double stated_noise = kUnknown;  ///< of a typical row as the data state it [SI]
   int repeat_degrees = 0;
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   MemoryEstimate memory;           ///< how the noise remembers

@@ -1,13 +1,24 @@
 #include "calibrate/verdict/noise_level.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
-NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit) {
-  if (noise.source == NoiseSource::kStated) return {.scale = 1.0, .source = noise.source};
+namespace {
+
+/// Nobody knows a standard deviation better than to a quarter.
+constexpr double kAsStated = 1.25;
+
+}  // namespace
+
+NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit,
+                       bool stated_holds) {
+  const bool stated = noise.source == NoiseSource::kStated;
+  if (stated && stated_holds) return {.scale = 1.0, .source = noise.source};
   constexpr int kEnoughRepeats = 10;
   // Repeats at other angles or times scatter by what varies with those; repeats that agree to the
   // last digit say nothing.
@@ -18,12 +29,38 @@ NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double sc
       return {.scale = of_repeats, .source = NoiseSource::kRepeats};
     }
   }
-  return {.scale = scale_of_fit, .source = noise.source};
+  return {.scale = scale_of_fit, .source = stated ? NoiseSource::kResiduals : noise.source};
+}
+
+bool stated_level_holds(const NoiseModel& noise, const LeftOver& left, bool structure) {
+  if (noise.source != NoiseSource::kStated || noise.known_scale() > 0.0) return true;
+  constexpr double kChance = 1e-3;
+  const int degrees = left.degrees;
+  if (degrees < 1) return true;
+  const double squares = winsorised(left.whitened, left.scale).squaredNorm();
+  if (kAsStated * kAsStated * squares < degrees &&
+      1.0 - numerics::gamma_upper(0.5 * degrees, 0.5 * squares) < kChance) {
+    return false;
+  }
+  // Repeats at other angles and times differ by structure, too: beside it nothing tells.
+  return structure || chance_of_scatter(noise, left.whitened, degrees) > kChance;
+}
+
+std::string note_on_stated_level(double factor) {
+  return factor > 1.0
+             ? fmt::format(
+                   "the rows scatter by {:.3g} times the stated sigma: it weighs them against each "
+                   "other, and the noise is that of the rows; the sigma is too small, or rows "
+                   "differ in what the file does not say",
+                   factor)
+             : fmt::format(
+                   "the stated sigma is {:.3g} times what the rows scatter by: it weighs them "
+                   "against each other, and the noise is that of the rows",
+                   1.0 / factor);
 }
 
 double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitened, int degrees) {
   if (noise.source != NoiseSource::kStated || degrees < 1) return 1.0;
-  constexpr double kAsStated = 1.25;
   const double squares = winsorised(whitened, 1.0).squaredNorm();
   if (squares <= kAsStated * kAsStated * degrees) return 1.0;
   // A tenth of the rows far off is outliers, not scatter; the median of n rows is itself uncertain

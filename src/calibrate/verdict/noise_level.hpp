@@ -2,6 +2,7 @@
 // How much the rows scatter, who says so, and whether they scatter by more than they say.
 
 #include <Eigen/Core>
+#include <string>
 
 #include "calibrate/fit/final_fit.hpp"
 #include "calibrate/measurement/noise.hpp"
@@ -17,7 +18,27 @@ struct NoiseLevel {
 /// @param pure  scatter of the repeats, of whitened rows; taken from ten degrees of freedom on,
 ///     unless it is above that of the fit or as good as none
 /// @param scale_of_fit  standard deviation of the whitened residuals
-NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit);
+/// @param stated_holds  whether a stated level is that of the rows; else it only weighs them
+NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit,
+                       bool stated_holds);
+
+/// What a fit leaves of the rows.
+struct LeftOver {
+  const Eigen::VectorXd& whitened;  ///< residuals
+  int degrees = 0;                  ///< of freedom of the fit
+  double scale = 0.0;               ///< standard deviation of a whitened row
+};
+
+/// Whether the stated standard deviations are of the size that rows scatter by: by chi-squared at
+/// 0.1 % and within a quarter what is left is not less and, where it has no structure, not greater.
+/// True where nothing is stated, and of rows too few to say it themselves
+/// (NoiseModel::known_scale()).
+/// @param structure  whether what is left follows something that the data state
+bool stated_level_holds(const NoiseModel& noise, const LeftOver& left, bool structure);
+
+/// "the rows scatter by 2.1 times the stated sigma ...": what is said where it does not hold.
+/// @param factor  scatter of the rows over what is stated
+std::string note_on_stated_level(double factor);
 
 /// Whether rows scatter by more than they state, outliers aside, whatever the structure: the
 /// chi-squared probability of their winsorised squares.

@@ -195,7 +195,7 @@ std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, con
                                   const Columns& before, double rate, bool has_causes) {
   double scale = left.scale;
   if (const double chance = chance_of_scatter(noise, left.whitened, left.degrees);
-      !contest.structure && chance <= rate) {
+      !contest.structure && noise.known_scale() > 0.0 && chance <= rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
     // Beyond the scatter that is stated, not the one that these rows have.

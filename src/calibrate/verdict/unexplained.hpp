@@ -8,6 +8,7 @@
 
 #include "calibrate/laws/law_search.hpp"
 #include "calibrate/search/search.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 #include "calibrate/verdict/remainder.hpp"
 
 namespace gear3k::calibrate {
@@ -44,15 +45,9 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
 Remainder structure_of(const Problem& problem, const FoundLaw& law,
                        const std::vector<Levels>& levels);
 
-/// What the standing effects leave of the rows.
-struct LeftOver {
-  const Eigen::VectorXd& whitened;  ///< residuals of their fit
-  int degrees = 0;                  ///< of freedom of that fit
-  double scale = 0.0;               ///< standard deviation of a whitened row
-};
-/// Settles a contest by what is left: rows that scatter by more than they state hold structure, and
-/// structure beside causes that takes no more off than laws of slightly wrong shape leave (2 % of
-/// the squares of the discrepancy) is none.
+/// Settles a contest by what is left: structure beside causes that takes no more off than laws of
+/// slightly wrong shape leave (2 % of the squares of the discrepancy) is none; and rows that
+/// scatter by more than they state hold structure where they are too few to show their own scatter.
 /// @param before  columns of the baseline; @param rate  of false discoveries of structure
 /// @param has_causes  whether any stands
 /// @returns what is said of structure that does not matter; empty where there is none of it

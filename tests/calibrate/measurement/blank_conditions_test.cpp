@@ -149,7 +149,8 @@ class AnOven : public Bench {
   }
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> ids;
-    for (const Effect& e : diagnose(simulation_, data_, {})->effects) ids.push_back(e.id);
+    const Diagnosis d = *diagnose(simulation_, data_, {});
+    for (const Effect& e : d.effects) ids.push_back(e.id);
     return ids;
   }
 };
