@@ -543,12 +543,14 @@ bool last_is_plausible(const Hypothesis& h) {
 
 }  // namespace
 
-bool take_likelier_name(SearchResult& result) {
+bool take_likelier_name(const Judge& judge, SearchResult& result) {
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
     if (is_parameter(*result.fit.hypothesis.effects[e].cause)) continue;
     for (Replacement& r : result.effects[e].replacements) {
       const Hypothesis& h = r.fit.hypothesis;
       if (!(r.statistic < -kLikelier)) continue;
+      // Nor back again: of any shape it is likelier, and by what the shape costs it is not.
+      if (judge.difference(r.fit, result.fit) > kLikelier) continue;
       if (h.effects.size() > kMostEffects || !last_is_plausible(h)) continue;
       result.fit = r.with_level ? std::move(r.fit) : in_place(std::move(r.fit), e);
       return true;

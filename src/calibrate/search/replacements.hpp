@@ -67,9 +67,10 @@ inline constexpr double kLikelier = 2.2;
 
 /// Takes a replacement that is likelier than the name it may replace.  The coefficient of friction
 /// stays, as it is preferred whatever is ahead by less than χ² 4; and so does a name where the
-/// values of what is likelier are none that a gearbox shows.
+/// values of what is likelier are none that a gearbox shows, or where that is likelier only if its
+/// shape costs nothing (Judge::of_any_shape()).
 /// @returns whether one was taken: all effects are to be judged anew
-bool take_likelier_name(SearchResult& result);
+bool take_likelier_name(const Judge& judge, SearchResult& result);
 
 /// Takes both and looks for other bodies that show each cause as well; p-values and BIC become
 /// those of the names that stay, and of a form that is not searched for the p-value is that of the

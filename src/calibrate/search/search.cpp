@@ -286,7 +286,7 @@ void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, c
     take_better_names(judge, all, result);
     // Each is ahead of the one before.
     constexpr int kMostNames = 4;
-    if (names < kMostNames && take_likelier_name(result)) {
+    if (names < kMostNames && take_likelier_name(judge, result)) {
       ++names;
       continue;
     }

@@ -96,19 +96,28 @@ TEST_F(OneSlope, ThatIsLikelierTakesThePlaceOfTheName) {
         {.candidate = other, .statistic = statistic, .fit = std::move(fit_of_it)}};
     return result;
   };
+  const SearchResult of_gain = found(p, gain);
+  const Judge judge(p, of_gain.candidates, of_gain.fit, of_gain.scale);
   SearchResult ahead = with_lead(-2.3, "sensor_offset", 0.01);
-  EXPECT_TRUE(take_likelier_name(ahead));
+  EXPECT_TRUE(take_likelier_name(judge, ahead));
   EXPECT_EQ(name(ahead), "sensor_offset");
   SearchResult as_good = with_lead(-2.1, "sensor_offset", 0.01);
-  EXPECT_FALSE(take_likelier_name(as_good));
+  EXPECT_FALSE(take_likelier_name(judge, as_good));
   EXPECT_EQ(name(as_good), "sensor_gain");
   // Not by values that no gearbox shows.
   SearchResult implausible = with_lead(-5.0, "friction_level", -3.0);
-  EXPECT_FALSE(take_likelier_name(implausible));
+  EXPECT_FALSE(take_likelier_name(judge, implausible));
+  // Nor where a parameter more, ln 24 = 3.2, tells against it as much as it is said to be ahead.
+  SearchResult costly = with_lead(-3.0, "sensor_offset", 0.01);
+  costly.effects[0].replacements[0].fit.hypothesis =
+      hypothesis({candidate("friction_level", {.name = "coefficient"}),
+                  candidate("sensor_offset", {.name = "offset"})},
+                 {0.0, 0.01});
+  EXPECT_FALSE(take_likelier_name(judge, costly));
   // The coefficient of friction stays, whatever is a little ahead.
   SearchResult level = with_lead(-3.0, "sensor_offset", 0.01);
   level.fit.hypothesis = hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.1});
-  EXPECT_FALSE(take_likelier_name(level));
+  EXPECT_FALSE(take_likelier_name(judge, level));
 }
 
 TEST_F(OneSlope, ThatNoGearboxShowsIsNotGivenToIt) {
