@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
+#include <numbers>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 namespace gear3k::calibrate {
 
@@ -33,6 +37,22 @@ Levels each_session(const MeasurementSet& data) {
   return l;
 }
 
+/// Twelfths of a turn of the output, the first about an angle of half a twelfth or of none; none
+/// where an angle is not stated.
+std::optional<Levels> twelfths_of_turn(const MeasurementSet& data, bool about_none) {
+  constexpr int kSectors = 12;
+  constexpr double kDegrees = 360.0 / kSectors;
+  Levels l{.name = "angle", .of = {}, .count = kSectors, .binned = true};
+  for (int k = 0; k < kSectors; ++k) l.at.push_back(kDegrees * (k + (about_none ? 0.0 : 0.5)));
+  for (const Observation& row : data.rows) {
+    const double turns = row.condition.output_angle_rad / (2.0 * std::numbers::pi);
+    if (!std::isfinite(turns)) return std::nullopt;
+    const double sector = kSectors * (turns - std::floor(turns)) + (about_none ? 0.5 : 0.0);
+    l.of.push_back(static_cast<int>(sector) % kSectors);
+  }
+  return l;
+}
+
 }  // namespace
 
 LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& levels,
@@ -55,7 +75,11 @@ LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& 
       columns.emplace_back(inside.cwiseProduct(sense));
     }
   };
-  for (const Levels& given : levels) {
+  std::vector<Levels> all = levels;
+  for (const bool about_none : {false, true}) {
+    if (auto sectors = twelfths_of_turn(data, about_none)) all.push_back(std::move(*sectors));
+  }
+  for (const Levels& given : all) {
     const bool of_sessions = given.name == "run";
     if (of_sessions && !sessions) continue;
     const Levels l = of_sessions && given.binned ? each_session(data) : given;

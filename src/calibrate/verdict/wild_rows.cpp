@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kWildDeviations = 20.0;
 constexpr double kWildShare = 0.5;  // of the greater of two values: a factor of two
-constexpr double kMostWild = 0.15;  // of the rows
+constexpr double kMostWild = 0.05;  // of the rows
+constexpr double kSomeWild = 3.0;
 constexpr std::size_t kFewestTold = 8;
 constexpr double kTogetherChance = 0.01;
 
@@ -46,7 +47,9 @@ std::vector<char> wild_rows(const MeasurementSet& data, const Eigen::VectorXd& s
     }
   }
   const auto count = static_cast<double>(std::ranges::count(wild, 1));
-  if (count > kMostWild * static_cast<double>(wild.size())) std::ranges::fill(wild, 0);
+  if (count > std::max(kSomeWild, kMostWild * static_cast<double>(wild.size()))) {
+    std::ranges::fill(wild, 0);
+  }
   return wild;
 }
 

@@ -13,8 +13,9 @@ namespace gear3k::calibrate {
 /// than 20 robust standard deviations of all rows, and by more than half of the greater of measured
 /// and simulated value, as a slipped decimal point or a wrong digit does.
 ///
-/// Rows that are off together (rows_together(), 1 %) are structure, and so are more than 15 % of
-/// the rows: they stay.  No row of torque_angle, which nobody typed, and none of fewer than 8.
+/// Rows that are off together (rows_together(), 1 %) are structure, and so are more than three
+/// and 5 % of the rows: they stay.  No row of torque_angle, which nobody typed, and none of fewer
+/// than 8.
 /// @param simulated  as given, of each row
 /// @param levels     of the data
 /// @returns 1 for each such row

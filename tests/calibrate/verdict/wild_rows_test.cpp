@@ -64,6 +64,22 @@ TEST_F(WildRows, AreNoneOfOneSessionOrOfManyRows) {
   EXPECT_TRUE(places().empty());
 }
 
+TEST_F(WildRows, AreNoneOfOnePartOfTheTurn) {
+  // Rows 20 degrees apart; the teeth of a window of the turn are worn.
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    row(i).condition.output_angle_rad = static_cast<double>(i) * 0.35;
+  }
+  std::size_t worn = 0;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const double turn = std::fmod(row(i).condition.output_angle_rad, 2.0 * std::numbers::pi);
+    if (turn < 4.2 || turn > 4.7) continue;
+    row(i).response *= 3.0;
+    ++worn;
+  }
+  ASSERT_GE(worn, 3U);
+  EXPECT_TRUE(places().empty());
+}
+
 TEST_F(WildRows, OfFewRowsAreNotTold) {
   data_.rows.resize(7);
   measure({}, kNoise_Nm, 11);
