@@ -36,9 +36,12 @@ constexpr std::ptrdiff_t kTriedForms = 3;
 /// Parameters that a law of another condition may have more than the effect whose place it takes.
 constexpr std::size_t kFreedom = 3;
 
-/// Whether a form in the place of an effect is a law of a condition with a freer shape.
+/// Whether a form in the place of an effect is another condition's with a freer shape: of sessions
+/// and time in the place of a law, or the other way round.  Two laws of one condition may draw the
+/// same line by their shapes alone, and then the plainer one is meant.
 bool bends_more(const Candidate& c, const Candidate& own) {
-  return c.form.order == 0.0 && own.form.order == 0.0 &&
+  const auto in_time = [](const Candidate& x) { return x.cause->remedy == Remedy::kProcedure; };
+  return c.form.order == 0.0 && own.form.order == 0.0 && in_time(c) != in_time(own) &&
          c.parameters.size() <= own.parameters.size() + kFreedom;
 }
 
