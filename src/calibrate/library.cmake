@@ -39,6 +39,7 @@ gear3k_library(calibrate
     fit/holdout.cpp
     fit/linearisation.cpp
     fit/screen.cpp
+    fit/wave_amplitude.cpp
     laws/law_fit.cpp
     laws/law_scan.cpp
     loops/branch_zero.cpp

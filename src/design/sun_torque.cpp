@@ -302,7 +302,8 @@ struct SunTorque::Parts {
   [[nodiscard]] std::optional<Settled> settled(const Running& r, const Known<double>& known,
                                                const Pattern& drives,
                                                const MeshTorques<double>& start) const;
-  [[nodiscard]] std::optional<Jet1> sun_torque(const Running& r) const;
+  [[nodiscard]] std::optional<Jet1> sun_torque(const Running& r,
+                                               const Jet1& more_output_torque_Nm) const;
 
   TrainConstants train;
   Losses<Jet1> losses;
@@ -354,8 +355,12 @@ std::optional<Settled> SunTorque::Parts::settled(const Running& r, const Known<d
   return std::nullopt;
 }
 
-std::optional<Jet1> SunTorque::Parts::sun_torque(const Running& r) const {
-  const Known<Jet1> known = known_of(r, losses.shafts);
+std::optional<Jet1> SunTorque::Parts::sun_torque(const Running& r,
+                                                 const Jet1& more_output_torque_Nm) const {
+  Known<Jet1> known = known_of(r, losses.shafts);
+  const Jet1 more = (r.forward ? -1.0 : 1.0) * more_output_torque_Nm;
+  known.ring2_mesh = known.ring2_mesh - more;
+  known.rest = known.rest + more;
   const auto numbers_known = known_as<double>(known);
   const auto start = without_mesh_losses(train, numbers_known, numbers_known.pin);
   const Pattern drives = pattern_of(train, start, Pattern{});
@@ -384,13 +389,14 @@ std::optional<Jet1> SunTorque::Parts::sun_torque(const Running& r) const {
 SunTorque::SunTorque(const FixedTrain& train, const VariedLosses& losses)
     : parts_(std::make_shared<const Parts>(train, losses)) {}
 
-std::optional<Jet1> SunTorque::at(const OperatingPoint<double>& point, Direction direction) const {
+std::optional<Jet1> SunTorque::at(const OperatingPoint<double>& point, Direction direction,
+                                  const Jet1& more_output_torque_Nm) const {
   const auto is_magnitude = [](double x) { return x >= 0.0 && std::isfinite(x); };
   if (!is_magnitude(point.sun_speed_rad_s) || !is_magnitude(point.output_torque_Nm)) {
     return std::nullopt;
   }
   if (!parts_->train.meshes_run) return std::nullopt;
-  return parts_->sun_torque(running_at(parts_->train, point, direction));
+  return parts_->sun_torque(running_at(parts_->train, point, direction), more_output_torque_Nm);
 }
 
 }  // namespace gear3k::design

@@ -40,8 +40,9 @@ class SunTorque {
 
   /// @returns empty also where operate() has to decide: it does not settle in a few passes, repels
   /// the passes of operate(), or the members that drive are not those of a train without losses
-  [[nodiscard]] std::optional<Jet1> at(const OperatingPoint<double>& point,
-                                       Direction direction) const;
+  /// @param more_output_torque_Nm  on top of the point's, of any sign
+  [[nodiscard]] std::optional<Jet1> at(const OperatingPoint<double>& point, Direction direction,
+                                       const Jet1& more_output_torque_Nm = Jet1(0.0)) const;
 
  private:
   struct Parts;

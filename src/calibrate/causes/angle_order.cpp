@@ -1,5 +1,10 @@
 #include "calibrate/causes/angle_order.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -53,16 +58,109 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
   return result;
 }
 
+bool angles_show(const std::vector<double>& angle_rad, double order, int harmonics) {
+  const auto n = static_cast<double>(angle_rad.size());
+  const auto columns = static_cast<Eigen::Index>(1 + 2 * harmonics);
+  if (n < static_cast<double>(columns)) return false;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
+  Eigen::VectorXd row(columns);
+  row[0] = 1.0;
+  double walked = 0.0;  // of the wave, less whole turns
+  double last = 0.0;
+  double passed = 0.0,
+         passed_by = 0.0;  // turns between neighbours, and of those beyond half a turn
+  for (std::size_t i = 0; i < angle_rad.size(); ++i) {
+    const double turn = order * angle_rad[i] / (2.0 * std::numbers::pi);
+    for (int m = 1; m <= harmonics; ++m) {
+      const double phase = 2.0 * std::numbers::pi * m * (turn - std::floor(turn));
+      row[2 * m - 1] = std::numbers::sqrt2 * std::cos(phase);
+      row[2 * m] = std::numbers::sqrt2 * std::sin(phase);
+    }
+    normal.noalias() += row * row.transpose() / n;
+    if (i > 0) {
+      passed += turn - last;
+      constexpr double kHalfTurn = 0.5;
+      if (turn - last > kHalfTurn) passed_by += turn - last;
+      walked += std::abs(turn - last - std::round(turn - last));
+    }
+    last = turn;
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> factors(normal);
+  constexpr double kMostInflation = 4.0;
+  if (!(factors.vectorD().minCoeff() > 1e-9)) return false;
+  const Eigen::VectorXd inflation =
+      factors.solve(Eigen::MatrixXd::Identity(columns, columns)).diagonal();
+  if (inflation.tail(columns - 1).maxCoeff() > kMostInflation) return false;
+  constexpr double kMostly = 0.5, kLeastWalk = 1.5;
+  return passed_by < kMostly * passed || walked >= kLeastWalk;
+}
+
+namespace {
+
+constexpr double kLeastPeriods = 0.6;  // less of a period is hardly told from a slope
+
+std::vector<double> angles_of(const MeasurementSet& data) {
+  std::vector<double> result;
+  if (!used_range(data, kOutputAngle).known()) return result;
+  for (const Observation& row : data.rows) {
+    if (std::isfinite(row.condition.output_angle_rad)) {
+      result.push_back(row.condition.output_angle_rad);
+    }
+  }
+  std::ranges::sort(result);
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+double revolutions_of(const std::vector<double>& angles) {
+  return angles.empty() ? 0.0 : (angles.back() - angles.front()) / (2.0 * std::numbers::pi);
+}
+
+}  // namespace
+
+std::vector<train::ShaftOrder> shafts_of(const Occasion& o) {
+  if (o.teeth != nullptr) return train::shaft_orders(*o.teeth);
+  // Of a black box only its two shafts are known.
+  return {{.body = "sun", .order = std::abs(o.ratio)}, {.body = "output", .order = 1.0}};
+}
+
+std::vector<std::string> shafts_not_shown(const Occasion& o) {
+  if (o.kind != Kind::kTransmission && o.kind != Kind::kLostMotion) return {};
+  const std::vector<double> angles = angles_of(*o.data);
+  std::vector<std::string> result;
+  for (const train::ShaftOrder& order : shafts_of(o)) {
+    if (revolutions_of(angles) * order.order >= kLeastPeriods &&
+        !angles_show(angles, order.order, 1)) {
+      result.push_back(
+          fmt::format("the {} ({:.4g} per turn of the output)", order.body, order.order));
+    }
+  }
+  return result;
+}
+
+void add_note_on_shafts(const Occasion& o, std::vector<std::string>& notes) {
+  const std::vector<std::string> shafts = shafts_not_shown(o);
+  if (shafts.empty()) return;
+  notes.push_back(fmt::format(
+      "the angles do not show the turn of {}: a wave at that order is not told from what all rows "
+      "have in common or from a drift, and was not looked for; angles at random or in small steps "
+      "would show it",
+      fmt::join(shafts, ", ")));
+}
+
 std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftOrder>& orders) {
-  const ValueRange angle = used_range(*o.data, kOutputAngle);
-  const double revolutions = (angle.high - angle.low) / (2.0 * std::numbers::pi);
-  // Less of a period is hardly told from a slope.
-  constexpr double kLeastPeriods = 0.6;
+  const std::vector<double> angles = angles_of(*o.data);
   std::vector<Form> result;
   for (const train::ShaftOrder& order : orders) {
-    if (!(revolutions * order.order >= kLeastPeriods)) continue;
+    if (!(revolutions_of(angles) * order.order >= kLeastPeriods)) continue;
+    std::array<bool, 3> shown{};
+    for (int m = 1; m <= 3; ++m) {
+      shown[static_cast<std::size_t>(m - 1)] = o.every_wave || angles_show(angles, order.order, m);
+    }
+    if (!shown[0]) continue;
     const auto add = [&](std::string_view name, double weight, std::string_view law = "") {
       for (const std::string_view more : {std::string_view(), kSecond, kThird}) {
+        if (!more.empty() && !shown[more == kSecond ? 1 : 2]) continue;
         // Once it is found: bodies and teeth are not round in one harmonic alone.
         result.push_back({.name = std::string(name).append(more),
                           .body = order.body,

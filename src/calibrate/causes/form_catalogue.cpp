@@ -101,6 +101,7 @@ std::vector<CatalogueForm> form_catalogue(const Cause& cause, Kind kind) {
       }
       occasion.temperature_K = {293.15, 303.15};
       occasion.has_drag = true;
+      occasion.every_wave = true;
       for (const Form& form : cause.forms(occasion)) add_form(catalogue, form);
     }
   }

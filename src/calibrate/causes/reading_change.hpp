@@ -42,6 +42,9 @@ inline std::vector<TargetRecord> targets_of(Kind kind) {
   return result;
 }
 
+/// Form of sensor_offset: the load at the output is another one by the same in all rows.
+inline constexpr std::string_view kOutputMagnitude = "output_magnitude";
+
 /// A form with a value for every session, and how many it can tell apart.
 inline constexpr const char* kSessions = "sessions";
 inline constexpr std::size_t kMostSessions = 16;

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "calibrate/causes/angle_order.hpp"
 #include "calibrate/model/cause.hpp"
 
@@ -7,14 +5,7 @@ namespace gear3k::calibrate::runout {
 
 namespace {
 
-std::vector<Form> forms(const Occasion& o) {
-  // Of a black box only its two shafts are known.
-  if (o.teeth == nullptr) {
-    const double ratio = std::abs(o.ratio);
-    return angle_forms(o, {{.body = "sun", .order = ratio}, {.body = "output", .order = 1.0}});
-  }
-  return angle_forms(o, train::shaft_orders(*o.teeth));
-}
+std::vector<Form> forms(const Occasion& o) { return angle_forms(o, shafts_of(o)); }
 
 }  // namespace
 

@@ -51,7 +51,7 @@ std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place pl
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     // A friction that differs by row is read row by row, whatever the cause.
     const Place own =
-        changes_row_friction(candidates[k]) ? Place::kMeasurement : candidates[k].cause->place;
+        changes_row_friction(candidates[k]) ? Place::kMeasurement : place_of(candidates[k]);
     if (own != place) continue;
     const auto all = static_cast<Eigen::Index>(candidates[k].parameters.size());
     for (Eigen::Index first = 0; first < all; first += kSlots) {
@@ -231,7 +231,7 @@ NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
   }
   std::size_t k = 0;
   for (const Candidate& c : about_.effects) {
-    const bool acts = c.cause->place == Place::kGearbox && !changes_row_friction(c);
+    const bool acts = place_of(c) == Place::kGearbox && !changes_row_friction(c);
     for (std::size_t j = 0; j < c.parameters.size(); ++j, ++k) {
       if (acts) acting_.push_back(k);
     }

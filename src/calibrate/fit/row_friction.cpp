@@ -131,6 +131,7 @@ std::vector<ParameterResult> parameter_results(const Problem& problem, const Fin
   add_implausible_friction(problem, fit, effect, result);
   add_implausible_drag(problem, fit, effect, result);
   add_implausible_gain(problem, fit, effect, result);
+  judge_output_zero(problem, fit, effect, result);
   return result;
 }
 

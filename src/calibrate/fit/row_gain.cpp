@@ -1,8 +1,10 @@
 #include "calibrate/fit/row_gain.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -37,6 +39,19 @@ void add_implausible_gain(const Problem& problem, const FinalFit& fit, std::size
                         .plausible_low = -kMostGainChange,
                         .plausible_high = kMostGainChange,
                         .derived = true});
+}
+
+void judge_output_zero(const Problem& problem, const FinalFit& fit, std::size_t effect,
+                       std::vector<ParameterResult>& parameters) {
+  const Candidate& own = fit.hypothesis.effects[effect];
+  if (own.cause->id != "sensor_offset" || place_of(own) != Place::kGearbox) return;
+  constexpr double kShare = 0.1, kAnySensor_Nm = 1.0;
+  const double most =
+      std::max(kAnySensor_Nm, kShare * range_of(problem.data, &Condition::output_torque_Nm).high);
+  ParameterResult& offset = parameters.front();
+  offset.plausible_low = -most;
+  offset.plausible_high = most;
+  offset.plausible = std::abs(offset.value) <= most;
 }
 
 }  // namespace gear3k::calibrate

@@ -1,5 +1,5 @@
 #pragma once
-// What a drift of the sensor's gain comes to in the measured rows, and whether a sensor drifts so.
+// What errors of the sensors come to in the measured rows, and whether a sensor has such.
 
 #include <vector>
 
@@ -13,5 +13,10 @@ namespace gear3k::calibrate {
 /// plausible. What the law of the drift tends to, no row need reach.
 void add_implausible_gain(const Problem& problem, const FinalFit& fit, std::size_t effect,
                           std::vector<ParameterResult>& parameters);
+
+/// Judges a zero error of the output's torque sensor by the greatest torque that it read: a tenth
+/// of that, or 1 Nm where that is more, can be (an assumption).
+void judge_output_zero(const Problem& problem, const FinalFit& fit, std::size_t effect,
+                       std::vector<ParameterResult>& parameters);
 
 }  // namespace gear3k::calibrate

@@ -9,6 +9,14 @@
 
 namespace gear3k::calibrate {
 
+std::size_t first_value(const LawTrial& t, std::size_t factor) {
+  std::size_t at = static_cast<std::size_t>(own_size(t)) + (t.law.offset ? 2 : 1);
+  for (std::size_t f = 0; f < factor; ++f) {
+    at += static_cast<std::size_t>(parameter_count(t.law.factors[f].shape));
+  }
+  return at;
+}
+
 LawFit::At LawFit::at(const LawTrial& t) const {
   const auto own = d_.own.cols();
   const auto count = static_cast<Eigen::Index>(t.value.size()) - own_size(t);
@@ -129,15 +137,6 @@ std::vector<double> distinct_values(const LawData& d, const Law& law, std::size_
   std::ranges::sort(values);
   values.erase(std::unique(values.begin(), values.end()), values.end());
   return values;
-}
-
-/// Where the parameters of a factor begin among a trial's values.
-std::size_t first_value(const LawTrial& t, std::size_t factor) {
-  std::size_t at = static_cast<std::size_t>(own_size(t)) + (t.law.offset ? 2 : 1);
-  for (std::size_t f = 0; f < factor; ++f) {
-    at += static_cast<std::size_t>(parameter_count(t.law.factors[f].shape));
-  }
-  return at;
 }
 
 /// The same pulses twice as often: at an order and phase doubled, with every second one new.

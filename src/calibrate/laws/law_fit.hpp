@@ -8,6 +8,9 @@
 
 namespace gear3k::calibrate {
 
+/// Where the parameters of a factor begin among a trial's values, which hold the own ones.
+std::size_t first_value(const LawTrial& t, std::size_t factor);
+
 /// Fits trials to some of the rows with Huber's bound at `scale`.
 class LawFit {
  public:

@@ -40,6 +40,12 @@ LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalF
   return result;
 }
 
+bool has_amplitude(const Problem& problem, const FinalFit& final) {
+  const ParameterResult amplitude =
+      parameter_results(problem, final, final.hypothesis.effects.size() - 1).front();
+  return amplitude.low > 0.0 || amplitude.high < 0.0;
+}
+
 std::string covariate_of(const Law& law) {
   std::string name(law_conditions()[law.factors.front().condition].name);
   if (name == kOutputTorque.name) return "load";

@@ -32,6 +32,10 @@ struct LawResult {
 LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalFit& final,
                      double error_without, double error_with);
 
+/// Whether the interval of the amplitude of a law, the last effect of a fit, is off 0.  Values
+/// between which the rows do not choose may end anywhere in a fit to all of them.
+bool has_amplitude(const Problem& problem, const FinalFit& final);
+
 /// The covariate that a law's first condition is: "load", "speed", "angle", "tooth sum", ...
 std::string covariate_of(const Law& law);
 

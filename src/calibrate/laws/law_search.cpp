@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "calibrate/laws/law_scan.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
@@ -79,6 +81,7 @@ class LawSearch {
       fit.refine(t, all);
       fit.polish(t, all);
     }
+    add_without_idle_factors(trials);
     std::optional<LawTrial> best = best_within_rows(trials);
     if (best) {
       scale_ = scale_about(*best);
@@ -137,6 +140,7 @@ class LawSearch {
     const LawFit fit(d_, scale_);
     std::vector<double> gain;
     double sum = 0.0;
+    double squares_gained = 0.0;
     for (int b = 0; b < all.count; ++b) {
       const std::vector<Eigen::Index> in = rows_of(d_, all, b, false);
       const std::vector<Eigen::Index> out = rows_of(d_, all, b, true);
@@ -146,6 +150,7 @@ class LawSearch {
       double block = 0.0;
       for (const Eigen::Index i : out) {
         block += huber_square(without[i] / scale_) - huber_square(with_law[i] / scale_);
+        squares_gained += without[i] * without[i] - with_law[i] * with_law[i];
       }
       gain.push_back(block);
       sum += block;
@@ -154,7 +159,7 @@ class LawSearch {
     if (gain.size() < 2) return false;
     double square = 0.0;
     for (const double g : gain) square += (g - sum / count) * (g - sum / count);
-    return sum > std::sqrt(square * count / (count - 1.0));
+    return squares_gained > 0.0 && sum > std::sqrt(square * count / (count - 1.0));
   }
 
   /// All rows of the data as trials without their blocks predict them [SI].
@@ -222,10 +227,78 @@ class LawSearch {
     const LawTrial* peak = nullptr;
     for (const LawTrial& t : trials) {
       if (peak != nullptr && score(t) - score(*peak) > kSureBic) break;
+      if (!is_told(t)) continue;
       if (!exceeds_its_rows(d_, t)) return t;
       if (peak == nullptr && !exceeds_its_rows(d_, t, kPeakBetween)) peak = &t;
     }
     return peak == nullptr ? std::nullopt : std::optional(*peak);
+  }
+
+  /// Half the 95 % interval of each of a refined trial's values.
+  [[nodiscard]] Eigen::VectorXd half_intervals(const LawTrial& t) const {
+    const Eigen::MatrixXd jacobian = LawFit(d_, scale_).at(t).jacobian;
+    // Each in a unit of its own.
+    const Eigen::VectorXd unit =
+        jacobian.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+    const Eigen::MatrixXd scaled = jacobian * unit.cwiseInverse().asDiagonal();
+    constexpr double kNormal = 1.959963984540054;
+    return kNormal * scale_ *
+           numerics::pseudo_inverse(scaled.transpose() * scaled)
+               .diagonal()
+               .cwiseMax(0.0)
+               .cwiseSqrt()
+               .cwiseQuotient(unit);
+  }
+  /// Of a factor that is constant where its first value is 0, whether the interval holds that.
+  [[nodiscard]] static bool is_idle(const LawTrial& t, std::size_t factor,
+                                    const Eigen::VectorXd& half) {
+    const LawShape shape = t.law.factors[factor].shape;
+    if (shape != LawShape::kPower && shape != LawShape::kExponential) return false;
+    const std::size_t at = first_value(t, factor);
+    return std::abs(t.value[at]) <= half[static_cast<Eigen::Index>(at)];
+  }
+  /// Whether the rows tell amplitude and factors of a refined trial: that it is there, and that
+  /// what it is said to follow makes a difference.
+  [[nodiscard]] bool is_told(const LawTrial& t) const {
+    const Eigen::VectorXd half = half_intervals(t);
+    const auto amplitude = static_cast<std::size_t>(own_size(t));
+    if (!(std::abs(t.value[amplitude]) > half[static_cast<Eigen::Index>(amplitude)])) return false;
+    for (std::size_t f = 0; f < t.law.factors.size(); ++f) {
+      if (is_idle(t, f, half)) return false;
+    }
+    if (t.law.factors.size() > 1) return true;
+    // Against the same in all rows in which it acts, whatever it is the same of.
+    LawTrial constant = t;
+    constant.law.factors.clear();
+    constant.law.offset = false;
+    constant.value.resize(amplitude + 1);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t action = 0; action < kLawActionNames.size(); ++action) {
+      constant.law.action = static_cast<LawAction>(action);
+      constant.value[amplitude] = 0.0;
+      LawFit(d_, scale_).refine(constant, all_rows());
+      least = std::min(least, constant.sum);
+    }
+    const double more = law_cost(t.law) - 1.0;
+    const double ln = std::log(static_cast<double>(d_.data.rows.size()));
+    return least - t.sum > more * ln + kClearBic;
+  }
+  /// Products whose factor makes no difference, without it.
+  void add_without_idle_factors(std::vector<LawTrial>& trials) const {
+    const std::size_t count = trials.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (trials[k].law.factors.size() < 2) continue;
+      const Eigen::VectorXd half = half_intervals(trials[k]);
+      for (std::size_t f = 0; f < trials[k].law.factors.size(); ++f) {
+        if (!is_idle(trials[k], f, half)) continue;
+        LawTrial plain = trials[k];
+        const auto first = plain.value.begin() + static_cast<std::ptrdiff_t>(first_value(plain, f));
+        plain.value.erase(first, first + parameter_count(plain.law.factors[f].shape));
+        plain.law.factors.erase(plain.law.factors.begin() + static_cast<std::ptrdiff_t>(f));
+        LawFit(d_, scale_).refine(plain, all_rows());
+        trials.push_back(std::move(plain));
+      }
+    }
   }
 
   [[nodiscard]] double cost(const LawTrial& t) const {
@@ -406,12 +479,29 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
   return causes.effects.size() > 1 || gain >= kLeastLawShare * squares_as_given(problem, law.scale);
 }
 
+/// Root mean square of whitened rows as predicted without their blocks.
+double missed_held_out(const Problem& problem, const Eigen::VectorXd& predicted) {
+  Eigen::MatrixXd white = measured(problem.data) - predicted;
+  problem.noise.whiten(white);
+  return std::sqrt(white.squaredNorm() / static_cast<double>(white.rows()));
+}
+
+/// Whether a law without the causes predicts held-out rows no worse than these do.
+bool predicts_as_causes_do(const Problem& problem, const Hypothesis& causes, const FoundLaw& alone,
+                           const Blocks& blocks) {
+  const double by_causes = missed_held_out(problem, predict_held_out(problem, causes, blocks));
+  return !(missed_held_out(problem, alone.predicted) > by_causes);
+}
+
 /// A law where nothing else tells of structure: without the causes, or beside them.
 std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis& hypothesis,
                                        const Blocks& blocks, std::size_t candidates, double rate) {
   std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain, rate);
   if (hypothesis.effects.empty()) return alone;
-  if (alone && replaces_causes(problem, hypothesis, *alone, candidates)) return alone;
+  if (alone && replaces_causes(problem, hypothesis, *alone, candidates) &&
+      predicts_as_causes_do(problem, hypothesis, *alone, blocks)) {
+    return alone;
+  }
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain, rate);
   if (!beside) return std::nullopt;
   const double gain = capped_sum(problem, hypothesis, beside->scale) -
@@ -454,7 +544,7 @@ std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypot
                                        beside ? &*beside : nullptr, candidates);
   const bool causes_fall =
       criterion(problem, alone->hypothesis, scale, &*alone, candidates) + kClearBic < with_causes;
-  return causes_fall ? alone : beside;
+  return causes_fall && predicts_as_causes_do(problem, hypothesis, *alone, blocks) ? alone : beside;
 }
 
 }  // namespace gear3k::calibrate

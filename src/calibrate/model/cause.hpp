@@ -28,9 +28,18 @@ struct ReadingChange {
   Scalar sensor_offset{0.0};    ///< in the sensor's own sign [SI]
 };
 
+/// What the sensor of the output's torque reads too much [Nm].
+struct OutputSensorError {
+  /// In the sensor's own sign, that of the torque at the output when the sun turns with +1 and
+  /// drives: it reads rotation · (T + …) forward and −rotation · (T + …) backward.
+  Scalar own_sign{0.0};
+  Scalar magnitude{0.0};  ///< whichever way anything turns or drives
+};
+
 /// What causes may change in the simulation of one row.
 struct Modification : ReadingChange {
   design::Extension<Scalar> gearbox;
+  OutputSensorError output_sensor;  ///< the gearbox is under another load than the rows state
 };
 
 /// A parameter of a cause; numbers in `unit`.
@@ -86,6 +95,7 @@ struct Occasion {
   std::array<double, 2> temperature_K{kUnknown, kUnknown};
   double design_temperature_K = 293.15;  ///< that the simulation stands for
   bool has_drag = false;                 ///< the simulation has drags whose size could change
+  bool every_wave = false;               ///< whether or not the angles show it: for lists of forms
 };
 
 /// Whether the temperatures of the rows differ enough for a law of temperature: over less, whatever
@@ -144,6 +154,9 @@ struct Cause {
   /// and session, once leave_behind() has put the condition.
   /// @param law  what it changes: one of kOnFriction to kOnDrag; "" the response
   Form (*as_constant)(const Form& form, std::string_view law) = nullptr;
+  /// Of a cause of the measurement: whether a form acts in the gearbox all the same, as it changes
+  /// what load that is simulated under; null: none does.
+  bool (*acts_in_gearbox)(const Form& form) = nullptr;
 };
 
 /// All causes; where two explain data as well, the earlier one is named first.

@@ -12,6 +12,12 @@ std::vector<ParameterRecord> parameters_of(const Hypothesis& h) {
   return result;
 }
 
+Place place_of(const Candidate& candidate) {
+  const Cause& cause = *candidate.cause;
+  const bool in_gearbox = cause.acts_in_gearbox != nullptr && cause.acts_in_gearbox(candidate.form);
+  return in_gearbox ? Place::kGearbox : cause.place;
+}
+
 bool changes_row_friction(const Candidate& candidate) { return candidate.form.law == kOnFriction; }
 
 std::size_t value_offset(const Hypothesis& h, std::size_t effect) {
@@ -92,7 +98,7 @@ void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
                       const Condition& condition, Kind kind, Modification& m) {
   for (const Candidate& effect : h.effects) {
     const std::size_t count = effect.parameters.size();
-    if (effect.cause->place == Place::kMeasurement || kind == Kind::kPairLoss) {
+    if (place_of(effect) == Place::kMeasurement || kind == Kind::kPairLoss) {
       apply_effect(effect, h.left_behind, value.first(count), condition, kind, m);
     }
     value = value.subspan(count);

@@ -31,6 +31,9 @@ std::vector<ParameterRecord> parameters_of(const Hypothesis& h);
 /// Whether a candidate sets Modification::friction_level.
 bool changes_row_friction(const Candidate& candidate);
 
+/// Where an effect acts: a form of a cause of the measurement may change what the gearbox carries.
+Place place_of(const Candidate& candidate);
+
 /// Where the values of an effect begin.
 std::size_t value_offset(const Hypothesis& h, std::size_t effect);
 /// The values of an effect.

@@ -21,7 +21,7 @@ constexpr std::size_t kManySimulations = 512;
 constexpr std::size_t kManyTemperatures = 64;
 constexpr std::size_t kPoints = 17;
 
-using CaseKey = std::array<std::uint64_t, 7>;
+using CaseKey = std::array<std::uint64_t, 9>;
 CaseKey case_key(const Condition& c) {
   const auto bits = [](auto value) {
     return std::bit_cast<std::uint64_t>(static_cast<double>(value));
@@ -32,7 +32,9 @@ CaseKey case_key(const Condition& c) {
           bits(c.test_torque_Nm),
           bits(c.driving_teeth),
           bits(c.driven_teeth),
-          bits(c.module_m)};
+          bits(c.module_m),
+          bits(c.rotation),
+          bits(c.reference_sensor)};
 }
 
 /// Places of the Chebyshev-Lobatto points, from 1 down to −1.

@@ -12,8 +12,8 @@
 namespace gear3k::calibrate {
 
 /// What tells the gearbox's states in the rows apart (Simulation::response() reads nothing else):
-/// a case is direction, speed and torque, or the pair of gears; a state is a case at a temperature.
-/// Angle, time, session and sensor act on the reading of the response only.
+/// a case is direction, rotation, speed, torque and by which sensor, or the pair of gears; a state
+/// is a case at a temperature.  Angle, time and session act on the reading of the response only.
 struct RowStates {
   /// Of one case with so many temperatures that its responses are interpolated between them.
   struct Interpolation {

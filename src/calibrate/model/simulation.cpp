@@ -79,11 +79,22 @@ double stated_or(double value, double otherwise) {
   return std::isfinite(value) ? value : otherwise;
 }
 
+/// What the output carries beyond the torque that a row states [Nm]: what its sensor reads too
+/// little, at most all of it.
+Scalar more_output_torque(const Condition& c, const Modification& m) {
+  if (c.reference_sensor) return Scalar(0.0);
+  const double sign = c.rotation * (c.direction == design::Direction::kForward ? 1.0 : -1.0);
+  Scalar more(-1.0 * (m.output_sensor.magnitude + sign * m.output_sensor.own_sign));
+  // Below no load the other side would drive: such a row was not measured so.
+  more.a = std::max(more.a, -c.output_torque_Nm);
+  return more;
+}
+
 /// Friction torque of a black box over what it would need without: forward 1/η − 1, backward 1 − η.
 Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modification& m) {
   const auto& e = m.gearbox;
   const bool forward = c.direction == design::Direction::kForward;
-  const Scalar load = number(c.output_torque_Nm);
+  const Scalar load = c.output_torque_Nm + more_output_torque(c, m);
   const Scalar speed = number(c.sun_speed_rad_s);
   const Scalar temperature = number(stated_or(c.temperature_K, kRoomTemperature_K));
   const double ratio = std::abs(box.ratio);
@@ -227,27 +238,29 @@ ResponseAt Simulation::sun_torques(const Modification& m) const {
   const auto temperature_K = [&g](const Condition& c) {
     return stated_or(c.temperature_K, temperature_of(g.design));
   };
-  const auto iterated = [&g, losses, temperature_K](const Condition& c) -> std::optional<Scalar> {
+  const auto iterated = [&g, &m, losses,
+                         temperature_K](const Condition& c) -> std::optional<Scalar> {
     const design::LossyTrain<Scalar> train{
         .geometry = g.geometry,
         .friction = losses->friction,
         .shafts = losses->shafts,
         .face_width_m = numbers<std::array<Scalar, 2>>(g.face_width_m)};
-    const auto result = design::operate<Scalar>(train,
-                                                {.sun_speed_rad_s = number(c.sun_speed_rad_s),
-                                                 .output_torque_Nm = number(c.output_torque_Nm),
-                                                 .temperature_K = number(temperature_K(c))},
-                                                c.direction);
+    const auto result =
+        design::operate<Scalar>(train,
+                                {.sun_speed_rad_s = number(c.sun_speed_rad_s),
+                                 .output_torque_Nm = c.output_torque_Nm + more_output_torque(c, m),
+                                 .temperature_K = number(temperature_K(c))},
+                                c.direction);
     if (!result.operation) return std::nullopt;
     return result.operation->sun_torque_Nm;
   };
   const auto quick = std::make_shared<const design::SunTorque>(
       design::FixedTrain{.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, *losses);
-  return [quick, iterated, temperature_K](const Condition& c) {
+  return [&m, quick, iterated, temperature_K](const Condition& c) {
     const auto torque = quick->at({.sun_speed_rad_s = c.sun_speed_rad_s,
                                    .output_torque_Nm = c.output_torque_Nm,
                                    .temperature_K = temperature_K(c)},
-                                  c.direction);
+                                  c.direction, more_output_torque(c, m));
     return torque ? torque : iterated(c);
   };
 }

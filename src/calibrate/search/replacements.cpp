@@ -11,6 +11,7 @@
 
 #include "calibrate/causes/friction_change.hpp"
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/fit/wave_amplitude.hpp"
 #include "calibrate/search/free_shapes.hpp"
 
 namespace gear3k::calibrate {
@@ -232,20 +233,6 @@ bool says_what_all_share(const MeasurementSet& data, const Hypothesis& h) {
   return squares < count * mean * mean;
 }
 
-/// Whether a drift, the last effect of a fit, is over before the rows begin, or as good as: what
-/// all rows have in common explains as well.
-bool sees_no_change(const Judge& judge, const Fit& found) {
-  const Candidate& own = found.hypothesis.effects.back();
-  if (own.cause->as_constant == nullptr || is_step(*own.cause)) return false;
-  Candidate constant{
-      .cause = own.cause, .form = own.cause->as_constant(own.form, own.form.law), .parameters = {}};
-  constant.parameters = own.cause->parameters(constant.form, judge.problem().simulation.kind());
-  const std::size_t last = found.hypothesis.effects.size() - 1;
-  const Fit alike =
-      fit(judge.problem(), with(without(found.hypothesis, last), constant), judge.scale());
-  return judge.chi(alike) <= judge.chi(found) + kPreferred;
-}
-
 /// Friction on one side of the pitch point alone is an asymmetry and a level: in the place of the
 /// level it explains what the level does.
 bool holds_level(const Candidate& c, Kind kind) {
@@ -299,7 +286,7 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
         stands = stands_as_well(judge, result.fit, gap, replacement);
       }
       if (stands && !says_what_all_share(problem.data, replacement.fit.hypothesis) &&
-          !sees_no_change(judge, replacement.fit)) {
+          !is_no_finding(judge, replacement.fit, replacement.fit.hypothesis.effects.size() - 1)) {
         found.push_back(std::move(replacement));
       }
     }
@@ -394,6 +381,25 @@ std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, cons
     if (!has_cause(h, c.cause)) result.push_back(c);
   }
   return result;
+}
+
+bool shows_no_change(const Judge& judge, const Fit& found, std::size_t effect) {
+  const Candidate& own = found.hypothesis.effects[effect];
+  if (own.cause->as_constant == nullptr) return false;
+  Candidate constant{
+      .cause = own.cause, .form = own.cause->as_constant(own.form, own.form.law), .parameters = {}};
+  constant.parameters = own.cause->parameters(constant.form, judge.problem().simulation.kind());
+  const Fit alike =
+      fit(judge.problem(), with(without(found.hypothesis, effect), constant), judge.scale());
+  return own.parameters.size() > constant.parameters.size()
+             ? judge.explains_as_well(alike, found)
+             : judge.chi(alike) <= judge.chi(found) + kPreferred;
+}
+
+bool is_no_finding(const Judge& judge, const Fit& found, std::size_t effect) {
+  return shows_no_change(judge, found, effect) ||
+         sessions_are_alike(judge.problem(), found.hypothesis, effect, judge.variance()) ||
+         is_no_wave(judge.problem(), found.hypothesis, effect, judge.variance());
 }
 
 namespace {

@@ -46,6 +46,15 @@ class Judge {
 /// Candidates of causes that are not in a hypothesis.
 std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, const Hypothesis& h);
 
+/// Whether a step or drift of a fit shows no change: a constant where it acts explains as well.
+/// One with a value of its own at the start, or for each session, has to pay for what it has more
+/// than that constant (explains_as_well()); another one has to be better by χ² 2.
+bool shows_no_change(const Judge& judge, const Fit& found, std::size_t effect);
+
+/// Whether an effect may carry no name: it shows no change, its sessions_are_alike(), or it
+/// is_no_wave().
+bool is_no_finding(const Judge& judge, const Fit& found, std::size_t effect);
+
 /// p-value and BIC of an effect of the fit given the others, and its replacements: screened by
 /// linearisation without the effect, then fitted; those within χ² 6 of the best, with another
 /// coefficient of friction where they need one.

@@ -274,16 +274,44 @@ Fit in_other_shapes(const Problem& problem, const std::vector<Candidate>& all,
   return with_named_means(problem, all, std::move(best), scale, kMostEffects);
 }
 
+/// Takes what may carry no name out of the fit; of a step or drift without change, in its place
+/// what all rows have in common, where the library has a cause of that which explains as well.
+/// @returns whether there was one
+bool takes_out_no_finding(const Problem& problem, const std::vector<Candidate>& all,
+                          const Judge& judge, Fit& found) {
+  for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
+    if (!is_no_finding(judge, found, e)) continue;
+    const Hypothesis rest = without(found.hypothesis, e);
+    const Candidate* const constant = found.hypothesis.effects[e].cause->as_constant != nullptr
+                                          ? constant_of(all, found.hypothesis, e)
+                                          : nullptr;
+    if (constant != nullptr) {
+      Fit named = fit(problem, with(rest, *constant), judge.scale());
+      if (judge.explains_as_well(named, found)) {
+        found = std::move(named);
+        return true;
+      }
+    }
+    found = with_free_shapes(problem, all, fit(problem, rest, judge.scale()), judge.scale());
+    return true;
+  }
+  return false;
+}
+
 /// Judges the effects of the fit and takes out, the weakest first, those that do not pay.
 void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, const Judge& judge,
                     double scale, SearchResult& result) {
   int names = 0;
-  while (true) {
+  constexpr int kMostTakenOut = 2 * kMostEffects;  // what is renamed may be named anew
+  for (int taken_out = 0;; ++taken_out) {
     std::vector<FoundEffect> judged(result.fit.hypothesis.effects.size());
     for_fits(problem, judged.size(),
              [&](std::size_t e) { judged[e] = judge_effect(judge, result, e); });
     result.effects = std::move(judged);
     take_better_names(judge, all, result);
+    if (taken_out < kMostTakenOut && takes_out_no_finding(problem, all, judge, result.fit)) {
+      continue;
+    }
     // Each is ahead of the one before.
     constexpr int kMostNames = 4;
     if (names < kMostNames && take_likelier_name(judge, result)) {

@@ -1,7 +1,9 @@
 #include "calibrate/search/second_names.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -124,30 +126,31 @@ Fit with_one_wave(const Problem& problem, const std::vector<Candidate>& all, Fit
 
 namespace {
 
-/// The cause of what all rows have in common where a change acts.
-std::string_view cause_of_constant(Target target) {
+/// Whether a candidate is what all rows have in common where a change acts.
+bool is_constant_on(Target target, const Candidate& c) {
+  if (!(c.form.weight > 0.0) || c.parameters.size() != 1) return false;
   switch (target) {
     case Target::kFriction:
-      return "friction_level";
+      return c.cause->id == "friction_level";
     case Target::kGain:
-      return "sensor_gain";
+      return c.cause->id == "sensor_gain";
     case Target::kOffset:
-      return "sensor_offset";
+      return c.cause->id == "sensor_offset" && c.form.name == "offset";
     case Target::kDrag:
-      return "drag_constant";
+      return c.cause->id == "drag_constant";
     case Target::kAdded:
       break;
   }
-  return "clearance";
+  // Another load at the output asks for about as much more torque in all rows.
+  return c.cause->id == "clearance" ||
+         (c.cause->id == "sensor_offset" && c.form.name == kOutputMagnitude);
 }
 
-/// That cause as a candidate of one parameter; null where there is none or it is there already.
+/// That candidate; null where there is none or its cause is there already.
 const Candidate* constant_on(Target target, const std::vector<Candidate>& all,
                              const Hypothesis& beside) {
-  const std::string_view id = cause_of_constant(target);
-  const auto constant = std::ranges::find_if(all, [&](const Candidate& c) {
-    return c.cause->id == id && c.form.weight > 0.0 && c.parameters.size() == 1;
-  });
+  const auto constant =
+      std::ranges::find_if(all, [&](const Candidate& c) { return is_constant_on(target, c); });
   return constant != all.end() && !has_cause(beside, constant->cause) ? &*constant : nullptr;
 }
 
@@ -157,18 +160,12 @@ std::optional<Hypothesis> with_named_start(const std::vector<Candidate>& all, co
                                            std::size_t effect, Candidate& constant) {
   const Candidate& own = h.effects[effect];
   const Candidate* const named = constant_on(target_of(own.form.name), all, h);
-  const auto without_start = std::ranges::find_if(all, [&](const Candidate& c) {
-    return c.cause == own.cause && c.form.law == own.form.law &&
-           c.parameters.size() + 1 == own.parameters.size() &&
-           std::ranges::all_of(c.parameters,
-                               [&](const ParameterRecord& r) {
-                                 return r.name != kStartChange &&
-                                        std::ranges::find(own.parameters, r.name,
-                                                          &ParameterRecord::name) !=
-                                            own.parameters.end();
-                               }) &&
-           own.form.name.starts_with(c.form.name.substr(0, c.form.name.find('_')));
-  });
+  // Of the same shape along the same variable.
+  std::string name = own.form.name;
+  constexpr std::string_view kFrom = "_any_start";
+  if (const auto at = name.find(kFrom); at != std::string::npos) name.erase(at, kFrom.size());
+  const auto without_start = std::ranges::find_if(
+      all, [&](const Candidate& c) { return c.cause == own.cause && c.form.name == name; });
   if (named == nullptr || without_start == all.end()) return std::nullopt;
   constant = *named;
   const double start = values_of(h, effect).back();
@@ -177,7 +174,29 @@ std::optional<Hypothesis> with_named_start(const std::vector<Candidate>& all, co
   return result;
 }
 
+/// The best score of a drift of any shape without a value at the start in the place of one with it.
+double best_without_start(const Problem& problem, const std::vector<Candidate>& all,
+                          const Hypothesis& h, std::size_t effect, double scale) {
+  std::vector<Hypothesis> starts;
+  for (const Candidate& c : all) {
+    if (c.cause == h.effects[effect].cause && c.form.law == h.effects[effect].form.law &&
+        !has_start_parameter(c.parameters)) {
+      starts.push_back(in_form(h, effect, c));
+    }
+  }
+  double best = -HUGE_VAL;
+  for (const Fit& trial : fit_all(problem, starts, scale)) {
+    best = std::max(best, score_of(problem, trial, scale));
+  }
+  return best;
+}
+
 }  // namespace
+
+const Candidate* constant_of(const std::vector<Candidate>& all, const Hypothesis& h,
+                             std::size_t effect) {
+  return constant_on(target_of(h.effects[effect].form.law), all, without(h, effect));
+}
 
 Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                       double scale, int most) {
@@ -192,8 +211,12 @@ Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all,
     const double none = fit(problem, rest, scale).sum_of_squares;
     const double alone = fit(problem, with(rest, constant), scale).sum_of_squares;
     constexpr double kLargePart = 0.5;
-    if (!(none - alone > kLargePart * (none - found.sum_of_squares))) continue;
     Fit trial = fit(problem, *named, scale);
+    if (!(none - alone > kLargePart * (none - found.sum_of_squares)) &&
+        !(score_of(problem, trial, scale) >
+          best_without_start(problem, all, h, e, scale) + kStrongLogLikelihood)) {
+      continue;
+    }
     if (score_of(problem, trial, scale) > score_of(problem, found, scale) - kAsGood) {
       found = std::move(trial);
     }

@@ -38,4 +38,9 @@ Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all,
 Fit with_named_means(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale, int most);
 
+/// What all rows have in common where an effect acts, as a cause of one parameter; null where the
+/// library has none or it stands beside the effect.
+const Candidate* constant_of(const std::vector<Candidate>& all, const Hypothesis& h,
+                             std::size_t effect);
+
 }  // namespace gear3k::calibrate

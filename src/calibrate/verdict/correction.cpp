@@ -30,6 +30,22 @@ double missed(const Problem& problem, const Eigen::VectorXd& measured,
   return sum;
 }
 
+/// Variance of a sum of what blocks contribute, k (x − x̄)² summed over k − 1: rows of a block are
+/// missed together.  Blocks without a row that counts contribute nothing and are none of the k.
+/// @param by_row  NaN: does not count
+/// @returns empty for fewer than two blocks
+std::optional<double> variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
+  std::map<int, double> sums;
+  for (Eigen::Index i = 0; i < by_row.size(); ++i) {
+    if (std::isfinite(by_row[i])) sums[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
+  }
+  if (sums.size() < 2) return std::nullopt;
+  Eigen::VectorXd x(static_cast<Eigen::Index>(sums.size()));
+  std::ranges::transform(sums, x.begin(), [](const auto& of_block) { return of_block.second; });
+  const auto count = static_cast<double>(x.size());
+  return (x.array() - x.mean()).square().sum() * count / (count - 1.0);
+}
+
 }  // namespace
 
 std::optional<FoundCorrection> find_correction(const Problem& problem,
@@ -49,7 +65,8 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
     if (is_refit(plain[k]) && std::ranges::find(tried, k) == tried.end()) tried.push_back(k);
   }
   const Eigen::VectorXd y = measured(problem.data);
-  double least = missed(problem, y, fit(problem, {}, scale).simulated, scale);
+  const Eigen::VectorXd given = fit(problem, {}, scale).simulated;
+  double least = missed(problem, y, given, scale);
   std::optional<FoundCorrection> best;
   for (const std::size_t k : tried) {
     Fit trial = fit(problem, with({}, plain[k]), scale);
@@ -60,6 +77,16 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
     least = sum;
     best = {.fit = std::move(trial), .predicted = std::move(predicted)};
   }
+  if (!best) return best;
+  // What predicts better than the simulation by no more than it scatters does so by luck.
+  Eigen::VectorXd gain(y.size());
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    const double unit = scale / problem.noise.weight[i];
+    gain[i] =
+        huber_square((y[i] - given[i]) / unit) - huber_square((y[i] - best->predicted[i]) / unit);
+  }
+  const std::optional<double> variance = variance_of_sum(gain, blocks);
+  if (!variance || !(gain.sum() > std::sqrt(*variance))) return std::nullopt;
   return best;
 }
 
@@ -84,22 +111,6 @@ struct Compared {
   double refit_missed = 0.0, found_missed = 0.0;  ///< by huber_square()
   int rows = 0;
 };
-
-/// Variance of a sum of what blocks contribute, k (x − x̄)² summed over k − 1: rows of a block are
-/// missed together.  Blocks without a row that counts contribute nothing and are none of the k.
-/// @param by_row  NaN: does not count
-/// @returns empty for fewer than two blocks
-std::optional<double> variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
-  std::map<int, double> sums;
-  for (Eigen::Index i = 0; i < by_row.size(); ++i) {
-    if (std::isfinite(by_row[i])) sums[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
-  }
-  if (sums.size() < 2) return std::nullopt;
-  Eigen::VectorXd x(static_cast<Eigen::Index>(sums.size()));
-  std::ranges::transform(sums, x.begin(), [](const auto& of_block) { return of_block.second; });
-  const auto count = static_cast<double>(x.size());
-  return (x.array() - x.mean()).square().sum() * count / (count - 1.0);
-}
 
 /// The same of what rows contribute each by itself.
 double variance_of_sum(const Eigen::VectorXd& x) {

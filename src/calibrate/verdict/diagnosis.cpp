@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calibrate/causes/angle_order.hpp"
 #include "calibrate/fit/final_fit.hpp"
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/row_friction.hpp"
@@ -388,6 +389,10 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   const auto contest = contest_of(d, m, law->hypothesis, candidates, law->scale);
   if (contest && contest->refit_is_better()) return;
   const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
+  if (!has_amplitude(problem, final)) {
+    d.refit.reset();
+    return;
+  }
   const double error_without = d.errors.extended_holdout;
   predict_by(d, m, final, {.blocks = blocks, .predicted = law->predicted});
   // The law does better without some, and with them goes what would tell them apart.
@@ -493,6 +498,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
                                      .seed = options.seed};
   SessionScatter sessions;
   const std::vector<Candidate> all_candidates = candidates_for(simulation, data);
+  add_note_on_shafts(simulation.occasion(data), d.notes);
   const SearchResult found =
       search_with_noise(problem, all_candidates, search_options, tell, sessions, d.memory, d.notes);
   if (!tell(0.6)) return std::nullopt;
@@ -538,7 +544,15 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
       row_results(all_data.rows.size(), rows, problem, baseline, final, held, whitened, row_scale);
 
   // The verdict, and what would tell more.
-  const LeftOver left_over{.whitened = whitened_left, .degrees = final.degrees, .scale = row_scale};
+  const LeftOver left_over{
+      .whitened = whitened_left,
+      .degrees = final.degrees,
+      .scale = row_scale,
+      .missed = mean_square_as_read(problem.noise, baseline.measured - baseline.simulated),
+      .missed_by_effects = mean_square_as_read(problem.noise, baseline.measured - final.simulated),
+      .noise = row_scale * row_scale * (1.0 + sessions.guarded),
+      .of_time_alone = std::ranges::all_of(
+          d.effects, [](const Effect& e) { return e.remedy == Remedy::kProcedure; })};
   const std::optional<std::string> minor = settle(contest, problem.noise, left_over, left.before,
                                                   remainder_rate, !standing.found.empty());
   if (minor) d.notes.push_back(*minor);

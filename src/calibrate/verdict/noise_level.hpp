@@ -27,6 +27,9 @@ struct LeftOver {
   const Eigen::VectorXd& whitened;  ///< residuals
   int degrees = 0;                  ///< of freedom of the fit
   double scale = 0.0;               ///< standard deviation of a whitened row
+  /// mean_square_as_read() of the simulation as given and of the fit, and of all noise together.
+  double missed = 0.0, missed_by_effects = 0.0, noise = 0.0;
+  bool of_time_alone = false;  ///< all that stands are steps and drifts
 };
 
 /// Whether the stated standard deviations are of the size that rows scatter by: by chi-squared at

@@ -189,7 +189,30 @@ double discrepancy_of(const Columns& before, double scale) {
   return std::max(0.0, squares - static_cast<double>(before.raw.size()) * scale * scale);
 }
 
+/// Share of the discrepancy's squares from which on structure beside causes matters.
+constexpr double kLeastShare = 0.02;
+
+/// Whether rows as they are keep more than noise makes, and more than a law of slightly another
+/// shape leaves.
+bool keeps_much(const LeftOver& left) {
+  constexpr double kBeyondNoise = 1.5 * 1.5;
+  const double beyond = left.missed_by_effects - left.noise;
+  return left.missed_by_effects > kBeyondNoise * left.noise &&
+         beyond > kLeastShare * (left.missed - left.noise);
+}
+
+/// Whether a covariate says at what state the gearbox was, and not when or by what it was measured.
+bool is_of_state(const std::string& along) {
+  return along == "load" || along == "speed" || along == "temperature" || along == "test torque" ||
+         along == "direction" || along == "driving teeth" || along == "driven teeth";
+}
+
 }  // namespace
+
+double mean_square_as_read(const NoiseModel& noise, const Eigen::VectorXd& missed) {
+  const Eigen::VectorXd over = missed.cwiseProduct(noise.weight);
+  return winsorised(over, robust_deviation(over)).squaredNorm() / static_cast<double>(over.size());
+}
 
 std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, const LeftOver& left,
                                   const Columns& before, double rate, bool has_causes) {
@@ -206,8 +229,10 @@ std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, con
   if (!contest.structure || !has_causes) return std::nullopt;
   const double squares = contest.remainder.best.statistic * scale * scale;
   const double discrepancy = discrepancy_of(before, scale);
-  constexpr double kLeastShare = 0.02;
-  if (squares >= kLeastShare * discrepancy) return std::nullopt;
+  if (squares >= kLeastShare * discrepancy || keeps_much(left) ||
+      (left.of_time_alone && is_of_state(contest.remainder.best.along))) {
+    return std::nullopt;
+  }
   contest.structure = false;
   return fmt::format(
       "{}{:.1f} % of the squares of the discrepancy: a law of slightly another shape",

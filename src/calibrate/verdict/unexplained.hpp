@@ -45,9 +45,17 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
 Remainder structure_of(const Problem& problem, const FoundLaw& law,
                        const std::vector<Levels>& levels);
 
+/// Mean square of what rows as they are miss, over their own σ and not whitened; far ones count as
+/// less far.
+double mean_square_as_read(const NoiseModel& noise, const Eigen::VectorXd& missed);
+
 /// Settles a contest by what is left: structure beside causes that takes no more off than laws of
 /// slightly wrong shape leave (2 % of the squares of the discrepancy) is none; and rows that
 /// scatter by more than they state hold structure where they are too few to show their own scatter.
+/// Structure is not none where rows as they are keep as many of those squares beyond noise, and
+/// 1.5² times as much as noise makes: noise that remembers, or sessions that scatter, have taken
+/// them up.  Nor where steps and drifts alone stand and it is along a condition that is not of the
+/// campaign: their slightly other shape leaves none there.
 /// @param before  columns of the baseline; @param rate  of false discoveries of structure
 /// @param has_causes  whether any stands
 /// @returns what is said of structure that does not matter; empty where there is none of it

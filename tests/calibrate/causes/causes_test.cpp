@@ -669,6 +669,51 @@ TEST_F(OnTransmission, SensorGainMultipliesAndOffsetFollowsTheSensorsSign) {
   }
 }
 
+TEST_F(OnTransmission, ZeroOfTheOutputsSensorIsAnotherLoadInThatSensorsSign) {
+  constexpr double kZero_Nm = 0.8;
+  const Hypothesis own = one("sensor_offset", {.name = "output"}, {kZero_Nm});
+  const Hypothesis alike = one("sensor_offset", {.name = "output_magnitude"}, {kZero_Nm});
+  const auto rig_under = [](Condition c, double load_Nm) {
+    c.output_torque_Nm = load_Nm;
+    return rig::sun_torque(rig::bilateral_drive_gear(), on_rig(c), {});
+  };
+  for (const int rotation : {1, -1}) {
+    Condition f = forward_;
+    Condition b = backward_;
+    f.rotation = b.rotation = rotation;
+    const double kSame = kQuadrature * torque(f);
+    // A sensor that reads too much says more than there is: forward along the rotation, backward
+    // against it.
+    EXPECT_NEAR(torque(f, own), rig_under(f, 20.0 - rotation * kZero_Nm), kSame);
+    EXPECT_NEAR(torque(b, own), rig_under(b, 20.0 + rotation * kZero_Nm), kSame);
+    EXPECT_NEAR(torque(f, alike), rig_under(f, 20.0 - kZero_Nm), kSame);
+    EXPECT_NEAR(torque(b, alike), rig_under(b, 20.0 - kZero_Nm), kSame);
+    f.reference_sensor = true;  // another sensor
+    EXPECT_EQ(torque(f, own), torque(f));
+    EXPECT_EQ(torque(f, alike), torque(f));
+  }
+}
+
+TEST_F(OnTransmission, ZeroOfTheOutputsSensorLeavesNoLoadAtTheLeast) {
+  Condition idle = forward_;
+  idle.output_torque_Nm = 0.3;
+  Condition none = forward_;
+  none.output_torque_Nm = 0.0;
+  const Hypothesis zero = one("sensor_offset", {.name = "output_magnitude"}, {0.8});
+  EXPECT_NEAR(torque(idle, zero), torque(none), kRounding);
+}
+
+TEST_F(OnTransmission, ZeroOfTheOutputsSensorIsADragThereWhileNothingTurnsBack) {
+  const Hypothesis drag = one("drag_constant", {.name = "output", .body = "output"}, {0.5});
+  const Hypothesis zero = one("sensor_offset", {.name = "output"}, {-0.5});
+  for (const Condition& c : {forward_, backward_}) {
+    EXPECT_NEAR(torque(c, zero), torque(c, drag), kRounding * 1e3);
+    Condition back = c;
+    back.rotation = -1;
+    EXPECT_GT(std::abs(torque(back, zero) - torque(back, drag)), 1e-3);
+  }
+}
+
 TEST_F(OnTransmission, SensorZeroFollowsTheTemperatureInTheSensorsSign) {
   constexpr double kPerKelvin = 0.0004, kReference_c = 30.0, kOffset = -0.003;
   const FormConstant reference{.name = "reference_temperature", .unit = "c", .value = kReference_c};

@@ -56,5 +56,24 @@ TEST_F(RowGain, OfOtherTargetsIsNotAsked) {
   EXPECT_TRUE(told("levelling_any_scale_time_friction", 5.0, 1.0).empty());
 }
 
+TEST_F(RowGain, ZeroOfTheOutputsSensorIsATenthOfWhatItReadAtMost) {
+  const auto judged = [&](double offset_Nm) {
+    FinalFit fit;
+    fit.hypothesis = hypothesis({candidate("sensor_offset", {.name = "output"})}, {offset_Nm});
+    std::vector<ParameterResult> result(1);
+    result.front().value = offset_Nm;
+    judge_output_zero(problem(), fit, 0, result);
+    return result.front().plausible;
+  };
+  // The grid's greatest torque is 50 Nm.
+  EXPECT_TRUE(judged(4.9));
+  EXPECT_TRUE(judged(-4.9));
+  EXPECT_FALSE(judged(5.1));
+  EXPECT_FALSE(judged(-5.1));
+  for (Observation& row : data_.rows) row.condition.output_torque_Nm *= 0.1;
+  EXPECT_TRUE(judged(0.9));
+  EXPECT_FALSE(judged(1.1));
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::row_gain_test

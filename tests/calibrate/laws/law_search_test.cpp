@@ -381,6 +381,17 @@ TEST(LawFit, WithoutALawAsTheLastEffectNoneIsPredicted) {
   EXPECT_THROW(predict_law_held_out(problem, cause, blocks, 0.002), std::invalid_argument);
 }
 
+TEST(LawSearch, AConstantIsNoLawOfWhatItDoesNotFollow) {
+  EXPECT_FALSE(law_in(transmission_rig([](double, double) { return 0.02; }, 0.001, 4)));
+  // Of the load alone, whatever the speed does beside it.
+  const auto found =
+      law_in(transmission_rig([](double, double nm) { return 0.0004 * nm; }, 0.0005, 5));
+  ASSERT_TRUE(found);
+  for (const LawFactor& f : found->law.law.factors) {
+    EXPECT_EQ(law_conditions()[f.condition].name, "output_torque");
+  }
+}
+
 TEST(LawSearch, NothingIsFoundInNoise) {
   for (int seed = 1; seed <= 12; ++seed) {
     EXPECT_FALSE(law_in(transmission_rig([](double, double) { return 0.0; }, 0.002, seed))) << seed;

@@ -52,6 +52,31 @@ TEST_F(CorrectionOf, StructureThatIsNoCauseIsPredictedBetterThanByTheSimulation)
   EXPECT_LT(error(found->predicted), 0.8 * error(as_given));
 }
 
+TEST_F(CorrectionOf, IsNoneWhereHeldOutRowsGainLessThanTheyScatter) {
+  const double noise = 1e-3;
+  const Blocks blocks = holdout_blocks(data_, covariate_levels(data_));
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    measure({}, noise, seed);
+    const auto found = find(noise);
+    if (!found) continue;
+    // The gain of each block, all within three deviations or nearly so.
+    std::vector<double> gain(static_cast<std::size_t>(blocks.count), 0.0);
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const auto loss = [&](double predicted) {
+        const double r = std::abs(data_.rows[i].response - predicted) / noise;
+        return r <= 3.0 ? r * r : 6.0 * r - 9.0;
+      };
+      gain[static_cast<std::size_t>(blocks.of[i])] += loss(clean_[k]) - loss(found->predicted[k]);
+    }
+    double sum = 0.0, squares = 0.0;
+    for (const double g : gain) sum += g;
+    const auto count = static_cast<double>(gain.size());
+    for (const double g : gain) squares += (g - sum / count) * (g - sum / count);
+    EXPECT_GT(sum, 0.999 * std::sqrt(squares * count / (count - 1.0))) << seed;
+  }
+}
+
 TEST_F(CorrectionOf, ARefitIsBetterOnlyWhereItPredictsHeldOutRowsBetter) {
   const double noise = 1e-3;
   const Candidate level = candidate("friction_level", {.name = "coefficient"});

@@ -153,6 +153,35 @@ TEST(UnderstatedScatter, OfFewRowsIsStructureBesideACauseUnlessItIsLittleOfTheDi
   EXPECT_NE(note->find(" 0.9 % of the squares"), std::string::npos) << *note;
 }
 
+TEST(MinorRemainder, IsNoneWhereRowsAsTheyAreKeepMuch) {
+  const ScatteredRows rows = scattered_rows(100, 1.0, 30.0);
+  const auto is_minor = [&](double missed_by_effects, bool of_time_alone, const char* along) {
+    Contest contest{.structure = true, .stays = {true}, .remainder = {}};
+    contest.remainder.best.along = along;
+    contest.remainder.best.statistic = 100.0;  // of 90,000
+    NoiseModel unknown = rows.noise;
+    unknown.source = NoiseSource::kResiduals;
+    const auto note = settle(contest, unknown,
+                             {.whitened = rows.left,
+                              .degrees = 99,
+                              .scale = 1.0,
+                              .missed = 901.0,
+                              .missed_by_effects = missed_by_effects,
+                              .noise = 1.0,
+                              .of_time_alone = of_time_alone},
+                             rows.before, 0.01, true);
+    EXPECT_EQ(note.has_value(), !contest.structure);
+    return note.has_value();
+  };
+  EXPECT_TRUE(is_minor(1.0, false, "load"));
+  // 19 or 17 beyond noise, of 900.
+  EXPECT_FALSE(is_minor(20.0, false, "load"));
+  EXPECT_TRUE(is_minor(18.0, false, "load"));
+  // A law of time of another shape leaves nothing along the load.
+  EXPECT_FALSE(is_minor(1.0, true, "load"));
+  EXPECT_TRUE(is_minor(1.0, true, "time"));
+}
+
 /// A fit of one cause to data that hold it, and a term to put beside it.
 class AContest : public Shape {
  protected:
