@@ -207,6 +207,13 @@ bool is_of_state(const std::string& along) {
          along == "direction" || along == "driving teeth" || along == "driven teeth";
 }
 
+/// Whether readings go together as no sensor's do: beyond the scatter that is stated that is
+/// something that changes, along nothing that the data state.
+bool changes_slowly(const NoiseModel& noise) {
+  constexpr double kMostOfSensors = 0.8;
+  return noise.remembers() && noise.memory.correlation() > kMostOfSensors;
+}
+
 }  // namespace
 
 double mean_square_as_read(const NoiseModel& noise, const Eigen::VectorXd& missed) {
@@ -218,7 +225,8 @@ std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, con
                                   const Columns& before, double rate, bool has_causes) {
   double scale = left.scale;
   if (const double chance = chance_of_scatter(noise, left.whitened, left.degrees);
-      !contest.structure && noise.known_scale() > 0.0 && chance <= rate) {
+      !contest.structure && (noise.known_scale() > 0.0 || changes_slowly(noise)) &&
+      chance <= rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
     // Beyond the scatter that is stated, not the one that these rows have.
