@@ -1,7 +1,7 @@
 // How often the gain that `optimize --model` states holds: campaigns of the wide rig with a hidden
 // cause, diagnosed, the gearbox designed again, and both designs measured on the same bench.
 //
-//   redesign_gain [SEEDS [LAW-PREFIX [FIRST-SEED [rows]]]]        redesign_gain 20 friction_load 101
+//   redesign_gain [SEEDS [LAW-PREFIX [FIRST-SEED [rows]]]]      redesign_gain 20 friction_load 101
 //
 // A line of the table per law: campaigns, those whose best design changes, the share of these whose
 // true gain is in the stated 90 % interval and the share of all, each with its 95 % interval; means

@@ -22,9 +22,9 @@ struct LevelGroups {
   Eigen::MatrixXd columns;
 };
 
-/// Each level of each covariate, sessions one by one, and each twelfth of a turn of the output, both ways and in each direction, with the
-/// senses in which its rows may be off: of the reading, of what is lost, and of a sensor, which
-/// turn with the direction, the rotation or both.
+/// Each level of each covariate, sessions one by one, and each twelfth of a turn of the output,
+/// both ways and in each direction, with the senses in which its rows may be off: of the reading,
+/// of what is lost, and of a sensor, which turn with the direction, the rotation or both.
 /// @param sessions  whether sessions are among them
 LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& levels,
                          bool sessions = true);
