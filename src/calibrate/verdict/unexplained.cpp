@@ -202,9 +202,11 @@ bool keeps_much(const LeftOver& left) {
 }
 
 /// Whether a covariate says at what state the gearbox was, and not when or by what it was measured.
+/// Not load, speed and direction: a step that acts on something else than it is said to leaves
+/// structure along these.
 bool is_of_state(const std::string& along) {
-  return along == "load" || along == "speed" || along == "temperature" || along == "test torque" ||
-         along == "direction" || along == "driving teeth" || along == "driven teeth";
+  return along == "temperature" || along == "test torque" || along == "driving teeth" ||
+         along == "driven teeth";
 }
 
 /// Whether readings go together as no sensor's do: beyond the scatter that is stated that is
