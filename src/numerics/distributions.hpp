@@ -3,6 +3,9 @@
 /// Distribution functions and quantiles, by Boost.Math, whose headers take long to compile.
 namespace gear3k::numerics {
 
+/// Half of the 95 % interval of a standard normal: x with P(X <= x) = 0.975
+inline constexpr double kHalf95 = 1.959963984540054;
+
 /// Lower tail of the standard normal, P(X <= x)
 double normal_cdf(double x);
 

@@ -60,7 +60,7 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
 
 bool angles_show(const std::vector<double>& angle_rad, double order, int harmonics) {
   const auto n = static_cast<double>(angle_rad.size());
-  const auto columns = static_cast<Eigen::Index>(1 + 2 * harmonics);
+  const Eigen::Index columns = 1 + 2 * static_cast<Eigen::Index>(harmonics);
   if (n < static_cast<double>(columns)) return false;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
   Eigen::VectorXd row(columns);
@@ -71,8 +71,9 @@ bool angles_show(const std::vector<double>& angle_rad, double order, int harmoni
          passed_by = 0.0;  // turns between neighbours, and of those beyond half a turn
   for (std::size_t i = 0; i < angle_rad.size(); ++i) {
     const double turn = order * angle_rad[i] / (2.0 * std::numbers::pi);
-    for (int m = 1; m <= harmonics; ++m) {
-      const double phase = 2.0 * std::numbers::pi * m * (turn - std::floor(turn));
+    for (Eigen::Index m = 1; 2 * m < columns; ++m) {
+      const double phase =
+          2.0 * std::numbers::pi * static_cast<double>(m) * (turn - std::floor(turn));
       row[2 * m - 1] = std::numbers::sqrt2 * std::cos(phase);
       row[2 * m] = std::numbers::sqrt2 * std::sin(phase);
     }

@@ -9,8 +9,7 @@
 namespace gear3k::calibrate {
 
 double interval_factor(const FinalFit& fit) {
-  constexpr double kNormal = 1.959963984540054;
-  if (fit.scale_is_known || fit.degrees < 1) return kNormal;
+  if (fit.scale_is_known || fit.degrees < 1) return numerics::kHalf95;
   return numerics::student_quantile(0.975, fit.degrees);
 }
 

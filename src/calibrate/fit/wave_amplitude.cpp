@@ -9,13 +9,12 @@
 #include "calibrate/causes/reading_change.hpp"
 #include "calibrate/fit/linearisation.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "numerics/distributions.hpp"
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
-
-constexpr double kNormal = 1.959963984540054;
 
 /// Half the 95 % interval of what an effect comes to.
 /// @param slope  of that by the effect's parameters
@@ -31,7 +30,7 @@ double half_interval(const Problem& problem, const Hypothesis& h, std::size_t ef
   Eigen::VectorXd by_all = Eigen::VectorXd::Zero(unit.size());
   by_all.segment(static_cast<Eigen::Index>(value_offset(h, effect)), slope.size()) = slope;
   by_all = by_all.cwiseQuotient(unit);
-  return kNormal * std::sqrt(std::max(0.0, variance * by_all.dot(inverse * by_all)));
+  return numerics::kHalf95 * std::sqrt(std::max(0.0, variance * by_all.dot(inverse * by_all)));
 }
 
 Eigen::VectorXd vector_of(std::span<const double> values) {

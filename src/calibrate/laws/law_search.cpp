@@ -15,6 +15,7 @@
 #include "calibrate/laws/law_scan.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "numerics/distributions.hpp"
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
@@ -241,8 +242,7 @@ class LawSearch {
     const Eigen::VectorXd unit =
         jacobian.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
     const Eigen::MatrixXd scaled = jacobian * unit.cwiseInverse().asDiagonal();
-    constexpr double kNormal = 1.959963984540054;
-    return kNormal * scale_ *
+    return numerics::kHalf95 * scale_ *
            numerics::pseudo_inverse(scaled.transpose() * scaled)
                .diagonal()
                .cwiseMax(0.0)

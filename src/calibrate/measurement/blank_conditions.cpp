@@ -83,7 +83,9 @@ void settle_blank_conditions(MeasurementSet& set) {
   std::vector<char> left_out(set.rows.size(), 0);
   for (const LackingRows& lacking : all) {
     std::vector<char> both = left_out;
-    for (std::size_t k = 0; k < both.size(); ++k) both[k] |= lacking.marked[k];
+    for (std::size_t k = 0; k < both.size(); ++k) {
+      if (lacking.marked[k] != 0) both[k] = 1;
+    }
     const auto count = std::ranges::count(both, 1);
     const ConditionQuantity& quantity = *lacking.condition->quantity;
     if (static_cast<double>(count) <= most) {

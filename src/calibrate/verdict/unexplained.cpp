@@ -190,7 +190,7 @@ double discrepancy_of(const Columns& before, double scale) {
 }
 
 /// Share of the discrepancy's squares from which on structure beside causes matters.
-constexpr double kLeastShare = 0.02;
+constexpr double kLeastOfDiscrepancy = 0.02;
 
 /// Whether rows as they are keep more than noise makes, and more than a law of slightly another
 /// shape leaves.
@@ -198,7 +198,7 @@ bool keeps_much(const LeftOver& left) {
   constexpr double kBeyondNoise = 1.5 * 1.5;
   const double beyond = left.missed_by_effects - left.noise;
   return left.missed_by_effects > kBeyondNoise * left.noise &&
-         beyond > kLeastShare * (left.missed - left.noise);
+         beyond > kLeastOfDiscrepancy * (left.missed - left.noise);
 }
 
 /// Whether a covariate says at what state the gearbox was, and not when or by what it was measured.
@@ -239,7 +239,7 @@ std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, con
   if (!contest.structure || !has_causes) return std::nullopt;
   const double squares = contest.remainder.best.statistic * scale * scale;
   const double discrepancy = discrepancy_of(before, scale);
-  if (squares >= kLeastShare * discrepancy || keeps_much(left) ||
+  if (squares >= kLeastOfDiscrepancy * discrepancy || keeps_much(left) ||
       (left.of_time_alone && is_of_state(contest.remainder.best.along))) {
     return std::nullopt;
   }

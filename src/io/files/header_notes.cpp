@@ -135,7 +135,7 @@ std::optional<HeaderNote> HeaderNotes::read(std::string_view line, int number,
                                             const Complain& complain) {
   const auto rest = comment_of(line);
   if (!rest) return std::nullopt;
-  const std::optional<HeaderNote> note = parted(*rest, ":", number);
+  std::optional<HeaderNote> note = parted(*rest, ":", number);
   const KnownNote* known = note ? known_note(note->key) : nullptr;
   if (known == nullptr) {
     const std::optional<HeaderNote> likely = parted(*rest, ":=", number);
