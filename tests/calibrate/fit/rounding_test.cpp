@@ -140,20 +140,29 @@ TEST_F(Rounding, ErrorsAndSigmaAreOfTheReadingsWhateverRowCannotBeSimulated) {
 }
 
 TEST_F(Rounding, WhatWouldBeFoundBeforeItIsTold) {
-  // A drag of a third of a step; rounding makes it a law of load.
+  // A drag of a quarter of a step, which rounding makes a law of load in most campaigns.
   Hypothesis drag;
   for (const Candidate& c : candidates_for(simulation_, data_)) {
     if (c.cause->id == "drag_constant" && c.form.name == "sun") drag = with({}, c);
   }
-  drag.value = {0.0022};
-  read(drag, kStep, 2);
-  const auto d = diagnose(simulation_, data_, {});
-  ASSERT_NE(d->verdict, Verdict::kNoDiscrepancy);
-  EXPECT_TRUE(
-      std::ranges::none_of(d->effects, [](const Effect& e) { return e.id == "drag_constant"; }));
-  EXPECT_TRUE(std::ranges::any_of(d->notes, [](const std::string& note) {
-    return note.find("before it drag_constant would be found") != std::string::npos;
-  }));
+  drag.value = {0.0018};
+  int otherwise = 0, told = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    read(drag, kStep, seed);
+    const auto d = diagnose(simulation_, data_, {});
+    ASSERT_NE(d->verdict, Verdict::kNoDiscrepancy) << seed;
+    if (std::ranges::find(d->effects, "drag_constant", &Effect::id) != d->effects.end()) continue;
+    ++otherwise;
+    told += std::ranges::any_of(d->notes,
+                                [](const std::string& note) {
+                                  return note.find("before it drag_constant would be found") !=
+                                         std::string::npos;
+                                })
+                ? 1
+                : 0;
+  }
+  EXPECT_GE(otherwise, 3);
+  EXPECT_GT(2 * told, otherwise);
 }
 
 }  // namespace
