@@ -209,6 +209,10 @@ bool is_of_state(const std::string& along) {
          along == "driven teeth";
 }
 
+/// A standard deviation is misstated by less than this: rows that scatter by more differ in what
+/// the data do not state.
+constexpr double kMostMisstated = 3.0;
+
 /// Whether readings go together as no sensor's do: beyond the scatter that is stated that is
 /// something that changes, along nothing that the data state.
 bool changes_slowly(const NoiseModel& noise) {
@@ -227,8 +231,8 @@ std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, con
                                   const Columns& before, double rate, bool has_causes) {
   double scale = left.scale;
   if (const double chance = chance_of_scatter(noise, left.whitened, left.degrees);
-      !contest.structure && (noise.known_scale() > 0.0 || changes_slowly(noise)) &&
-      chance <= rate) {
+      !contest.structure && chance <= rate &&
+      (noise.known_scale() > 0.0 || changes_slowly(noise) || left.scale > kMostMisstated)) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
     // Beyond the scatter that is stated, not the one that these rows have.

@@ -52,11 +52,11 @@ double mean_square_as_read(const NoiseModel& noise, const Eigen::VectorXd& misse
 /// Settles a contest by what is left: structure beside causes that takes no more off than laws of
 /// slightly wrong shape leave (2 % of the squares of the discrepancy) is none; and rows that
 /// scatter by more than they state hold structure where they are too few to show their own scatter,
-/// or where readings that follow each other go together as no sensor's do.  Structure is not none
-/// where rows as they are keep as many of those squares beyond noise, and 1.5² times as much as
-/// noise makes: noise that remembers, or sessions that scatter, have taken them up.  Nor where
-/// steps and drifts alone stand and it is along a condition that is not of the campaign: their
-/// slightly other shape leaves none there.
+/// by three times as much or more, or where readings that follow each other go together as no
+/// sensor's do.  Structure is not none where rows as they are keep as many of those squares beyond
+/// noise, and 1.5² times as much as noise makes: noise that remembers, or sessions that scatter,
+/// have taken them up.  Nor where steps and drifts alone stand and it is along a condition that is
+/// not of the campaign: their slightly other shape leaves none there.
 /// @param before  columns of the baseline; @param rate  of false discoveries of structure
 /// @param has_causes  whether any stands
 /// @returns what is said of structure that does not matter; empty where there is none of it

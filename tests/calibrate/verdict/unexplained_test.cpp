@@ -131,6 +131,15 @@ TEST(UnderstatedScatter, OfManyRowsIsNoStructure) {
   }
 }
 
+TEST(UnderstatedScatter, OfManyRowsIsStructureWhereNoSigmaIsMisstatedSoFar) {
+  const ScatteredRows rows = scattered_rows(100, 5.0, 10.0);
+  Contest contest;
+  settle(contest, rows.noise, {.whitened = rows.left, .degrees = 99, .scale = 5.0}, rows.before,
+         0.01, false);
+  EXPECT_TRUE(contest.structure);
+  EXPECT_LT(contest.remainder.p_value, 1e-6);
+}
+
 TEST(UnderstatedScatter, OfFewRowsIsStructureBesideACauseUnlessItIsLittleOfTheDiscrepancy) {
   constexpr Eigen::Index kRows = 14;
   constexpr int kDegrees = 13;
