@@ -95,8 +95,10 @@ gear3k_library(calibrate
     model/law_doubt.cpp
     model/model_range.cpp
     model/parameter_draws.cpp
+    search/better_names.cpp
     search/form_doubt.cpp
     search/free_shapes.cpp
+    search/judge.cpp
     search/replacements.cpp
     search/rows_together.cpp
     search/search.cpp

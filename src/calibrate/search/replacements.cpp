@@ -11,23 +11,19 @@
 
 #include "calibrate/causes/friction_change.hpp"
 #include "calibrate/causes/reading_change.hpp"
-#include "calibrate/fit/wave_amplitude.hpp"
 #include "calibrate/search/free_shapes.hpp"
 
 namespace gear3k::calibrate {
 
+const Candidate* level_of(const SearchResult& result) {
+  const auto at = std::ranges::find_if(result.candidates,
+                                       [](const Candidate& c) { return is_level(*c.cause); });
+  return at == result.candidates.end() ? nullptr : &*at;
+}
+
 namespace {
 
-/// χ² by which an explanation may be worse than the best and still count as one: two hypotheses at
-/// any distance are then confused with the truth left out in less than 1 % (z = √6 = 2.4).
-constexpr double kAsWell = 6.0;
-/// χ² within which the coefficient of friction, a parameter, is preferred to a missing effect; and
-/// a step between sessions to a law.
-constexpr double kParameter = 4.0;
-constexpr double kPreferred = 2.0;
-/// χ², and the share of what an effect explains, below which two are alike: what rounding tells
-/// apart stays in the order of the library.
-constexpr double kSameChi = 1e-6;
+/// Share of what an effect explains below which two are alike, as kSameChi.
 constexpr double kRoundedShare = 1e-9;
 /// So few forms are all fitted in the place of an effect, without screening.
 constexpr std::size_t kFewForms = 12;
@@ -46,36 +42,8 @@ bool bends_more(const Candidate& c, const Candidate& own) {
          c.parameters.size() <= own.parameters.size() + kFreedom;
 }
 
-bool is_parameter(const Cause& cause) { return cause.remedy == Remedy::kFrictionValue; }
-/// What all rows have in common anyway.
-bool is_level(const Cause& cause) {
-  return is_parameter(cause) || cause.remedy == Remedy::kClearance;
-}
-bool is_step(const Cause& cause) { return cause.id == "run_step"; }
-
-/// Laws of load, speed or temperature, which a session measured in order may imitate.
-bool is_law(const Cause& cause) {
-  return cause.remedy == Remedy::kFlanks || cause.remedy == Remedy::kDrag ||
-         cause.remedy == Remedy::kBearings || cause.remedy == Remedy::kStiffness;
-}
-
-/// Whether the last effect, the level of friction, is one that is more likely than a missing
-/// effect: within three times what is stated.
-bool last_is_likely(const Hypothesis& h) {
-  constexpr double kLeast = -0.7, kMost = 2.0;
-  return h.value.back() >= kLeast && h.value.back() <= kMost;
-}
-
 bool fits_variables(const Hypothesis& h) {
   return h.value.size() <= static_cast<std::size_t>(kMostParameters);
-}
-
-/// What all rows may have in common: the coefficient of friction among the candidates, of lost
-/// motion a clearance; null where the data have neither.
-const Candidate* level_of(const SearchResult& result) {
-  const auto at = std::ranges::find_if(result.candidates,
-                                       [](const Candidate& c) { return is_level(*c.cause); });
-  return at == result.candidates.end() ? nullptr : &*at;
 }
 
 /// An effect to be replaced, and the fit without it.
@@ -296,18 +264,8 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
   return found;
 }
 
-/// The fit of a replacement with the new effect, which is its last, in the place of the old one.
-Fit in_place(Fit fit, std::size_t effect) {
-  Hypothesis& h = fit.hypothesis;
-  const auto count = static_cast<std::ptrdiff_t>(h.effects.back().parameters.size());
-  const auto first = static_cast<std::ptrdiff_t>(value_offset(h, effect));
-  std::rotate(h.effects.begin() + static_cast<std::ptrdiff_t>(effect), h.effects.end() - 1,
-              h.effects.end());
-  std::rotate(h.value.begin() + first, h.value.end() - count, h.value.end());
-  return fit;
-}
+}  // namespace
 
-/// What may stand in the place of the other effects now stands beside a new one.
 void refit_beside(const Judge& judge, const SearchResult& result, std::size_t other,
                   std::vector<Replacement>& list) {
   const Candidate* level = level_of(result);
@@ -328,78 +286,12 @@ void refit_beside(const Judge& judge, const SearchResult& result, std::size_t ot
   });
 }
 
-}  // namespace
-
-namespace {
-
-double more_parameters(const Fit& fit, const Fit& best) {
-  return static_cast<double>(fit.hypothesis.value.size()) -
-         static_cast<double>(best.hypothesis.value.size());
-}
-
-}  // namespace
-
-Judge::Judge(const Problem& problem, const std::vector<Candidate>& all, const Fit& best,
-             double scale)
-    : problem_(problem), all_(all), scale_(scale) {
-  if (problem.noise.known_scale() > 0.0) return;
-  const auto n = static_cast<double>(problem.data.rows.size());
-  const auto parameters = static_cast<double>(best.hypothesis.value.size());
-  const double least = problem.noise.least_scale();
-  variance_ =
-      std::max(winsorised(best.residual, scale).squaredNorm() / std::max(1.0, n - parameters),
-               least * least);
-}
-
-double Judge::difference(const Fit& fit, const Fit& best) const {
-  return chi(fit) - chi(best) +
-         more_parameters(fit, best) * std::log(static_cast<double>(problem_.data.rows.size()));
-}
-
-bool Judge::explains_as_well(const Fit& fit, const Fit& best) const {
-  constexpr double kMostRows = 150.0;
-  const auto rows = static_cast<double>(problem_.data.rows.size());
-  const double more = more_parameters(fit, best);
-  return chi(fit) - chi(best) + more * std::log(more > 0.0 ? std::min(rows, kMostRows) : rows) <=
-         kAsWell;
-}
-
-double Judge::of_any_shape(const Fit& fit, const Fit& best) const {
-  constexpr double kAkaike = 2.0;
-  return chi(fit) - chi(best) + kAkaike * more_parameters(fit, best);
-}
-
-bool Judge::draws_the_same(const Fit& fit, const Fit& best) const {
-  return more_parameters(fit, best) > 0.0 && chi(fit) <= chi(best) + kPreferred;
-}
-
-double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }
-
 std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, const Hypothesis& h) {
   std::vector<Candidate> result;
   for (const Candidate& c : all) {
     if (!has_cause(h, c.cause)) result.push_back(c);
   }
   return result;
-}
-
-bool shows_no_change(const Judge& judge, const Fit& found, std::size_t effect) {
-  const Candidate& own = found.hypothesis.effects[effect];
-  if (own.cause->as_constant == nullptr) return false;
-  Candidate constant{
-      .cause = own.cause, .form = own.cause->as_constant(own.form, own.form.law), .parameters = {}};
-  constant.parameters = own.cause->parameters(constant.form, judge.problem().simulation.kind());
-  const Fit alike =
-      fit(judge.problem(), with(without(found.hypothesis, effect), constant), judge.scale());
-  return own.parameters.size() > constant.parameters.size()
-             ? judge.explains_as_well(alike, found)
-             : judge.chi(alike) <= judge.chi(found) + kPreferred;
-}
-
-bool is_no_finding(const Judge& judge, const Fit& found, std::size_t effect) {
-  return shows_no_change(judge, found, effect) ||
-         sessions_are_alike(judge.problem(), found.hypothesis, effect, judge.variance()) ||
-         is_no_wave(judge.problem(), found.hypothesis, effect, judge.variance());
 }
 
 namespace {
@@ -437,165 +329,17 @@ void weigh(const Judge& judge, const SearchResult& result, const Gap& gap,
 
 }  // namespace
 
+void weigh_effect(const Judge& judge, const SearchResult& result, std::size_t effect,
+                  const Candidate& searched, FoundEffect& found) {
+  weigh(judge, result, gap_of(judge, result, effect), searched, found);
+}
+
 FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect) {
   const Gap gap = gap_of(judge, result, effect);
   FoundEffect found;
   weigh(judge, result, gap, gap.own, found);
   found.replacements = replacements_of(judge, result, gap);
   return found;
-}
-
-namespace {
-
-/// The effect's cause at its other bodies, where that explains as well.
-std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult& result,
-                                         std::size_t effect) {
-  const Candidate& own = result.fit.hypothesis.effects[effect];
-  std::vector<Replacement> found;
-  if (own.form.body.empty()) return found;
-  std::vector<const Candidate*> bodies;
-  std::vector<Hypothesis> starts;
-  // Forms with harmonics are not searched for, but a body that is round in none has them too.
-  for (const Candidate& c : judge.candidates()) {
-    const bool searched = c.form.weight > 0.0 || own.form.order > 0.0;
-    if (!searched || c.cause != own.cause || c.form.body == own.form.body ||
-        c.parameters.size() != own.parameters.size()) {
-      continue;
-    }
-    Hypothesis h = result.fit.hypothesis;
-    h.effects[effect] = c;
-    const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
-    std::fill_n(first, c.parameters.size(), 0.0);
-    bodies.push_back(&c);
-    starts.push_back(std::move(h));
-  }
-  std::vector<Fit> fits = fit_all(judge.problem(), starts, judge.scale());
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const double statistic = judge.difference(fits[k], result.fit);
-    if (statistic > kAsWell) continue;
-    found.push_back({.candidate = *bodies[k], .statistic = statistic, .fit = std::move(fits[k])});
-  }
-  std::ranges::stable_sort(found, {},
-                           [](const Replacement& r) { return std::round(r.statistic / kSameChi); });
-  return found;
-}
-
-}  // namespace
-
-void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
-                       SearchResult& result) {
-  prefer_parameters(judge, result);
-  const std::vector<Candidate> searched = result.fit.hypothesis.effects;
-  take_unsearched_forms(judge, all, result);
-  for (std::size_t e = 0; e < result.effects.size(); ++e) {
-    weigh(judge, result, gap_of(judge, result, e), searched[e], result.effects[e]);
-    result.effects[e].other_bodies = other_bodies_of(judge, result, e);
-  }
-}
-
-void prefer_parameters(const Judge& judge, SearchResult& result) {
-  const auto rank = [](const Candidate& c) {
-    return std::ranges::find(causes(), c.cause) - causes().begin();
-  };
-  for (std::size_t e = 0; e < result.effects.size(); ++e) {
-    FoundEffect& found = result.effects[e];
-    const Candidate own = result.fit.hypothesis.effects[e];
-    if (is_parameter(*own.cause)) continue;
-    constexpr double kTie = 1e-3;
-    const auto parameter = [&](const Replacement& r) {
-      return is_parameter(*r.candidate.cause) && r.statistic <= kParameter &&
-             last_is_likely(r.fit.hypothesis);
-    };
-    const auto step = [&](const Replacement& r) {
-      return is_step(*r.candidate.cause) && is_law(*own.cause) &&
-             r.candidate.parameters.size() <= own.parameters.size() && r.statistic <= kPreferred;
-    };
-    const auto earlier = [&](const Replacement& r) {
-      return !is_parameter(*r.candidate.cause) && !is_step(*r.candidate.cause) &&
-             !is_step(*own.cause) && r.statistic <= kTie && rank(r.candidate) < rank(own);
-    };
-    const auto end = found.replacements.end();
-    const auto first_that = [&](const auto& reason) {
-      return std::ranges::find_if(found.replacements,
-                                  [&](const Replacement& r) { return !r.with_level && reason(r); });
-    };
-    auto better = first_that(parameter);
-    if (better == end) better = first_that(step);
-    if (better == end) better = first_that(earlier);
-    if (better == end) continue;
-    const Replacement taken = *better;
-    found.replacements.erase(better);
-    for (Replacement& r : found.replacements) r.statistic -= taken.statistic;
-    found.replacements.insert(
-        found.replacements.begin(),
-        {.candidate = own, .statistic = -taken.statistic, .fit = std::move(result.fit)});
-    result.fit = in_place(taken.fit, e);
-    for (std::size_t other = 0; other < result.effects.size(); ++other) {
-      if (other != e) refit_beside(judge, result, other, result.effects[other].replacements);
-    }
-  }
-}
-
-namespace {
-
-/// Whether the last effect of a hypothesis has values that a gearbox may show.
-bool last_is_plausible(const Hypothesis& h) {
-  const auto values = values_of(h, h.effects.size() - 1);
-  const auto& records = h.effects.back().parameters;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!(values[k] >= records[k].plausible_low && values[k] <= records[k].plausible_high)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-}  // namespace
-
-bool take_likelier_name(const Judge& judge, SearchResult& result) {
-  for (std::size_t e = 0; e < result.effects.size(); ++e) {
-    if (is_parameter(*result.fit.hypothesis.effects[e].cause)) continue;
-    for (Replacement& r : result.effects[e].replacements) {
-      const Hypothesis& h = r.fit.hypothesis;
-      if (!(r.statistic < -kLikelier)) continue;
-      // Nor back again: of any shape it is likelier, and by what the shape costs it is not.
-      if (judge.difference(r.fit, result.fit) > kLikelier) continue;
-      if (h.effects.size() > kMostEffects || !last_is_plausible(h)) continue;
-      result.fit = r.with_level ? std::move(r.fit) : in_place(std::move(r.fit), e);
-      return true;
-    }
-  }
-  return false;
-}
-
-void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
-                           SearchResult& result) {
-  const Candidate* level = level_of(result);
-  for (std::size_t e = 0; e < result.effects.size(); ++e) {
-    for (const Candidate& form : all) {
-      const Fit& best = result.fit;
-      const Candidate own = best.hypothesis.effects[e];
-      if (form.form.weight > 0.0 || own.form.weight == 0.0 || form.cause != own.cause ||
-          form.form.law != own.form.law || form.form.order != own.form.order) {
-        continue;
-      }
-      // A form with a level of its own makes no sense beside the level.
-      const bool no_level = level == nullptr || has_cause(best.hypothesis, level->cause);
-      if (no_level && has_level_parameter(form.parameters)) continue;
-      // Whether a free shape is worth its parameters the search has settled.
-      if (form.parameters.size() != own.parameters.size()) continue;
-      const std::size_t at = value_offset(best.hypothesis, e);
-      Hypothesis h = best.hypothesis;
-      h.effects[e] = form;
-      Fit trial = fit(judge.problem(), std::move(h), judge.scale());
-      const double value = trial.hypothesis.value[at];
-      const bool plausible =
-          value >= form.parameters[0].plausible_low && value <= form.parameters[0].plausible_high;
-      if (plausible && judge.chi(trial) <= judge.chi(best) + kPreferred) {
-        result.fit = std::move(trial);
-      }
-    }
-  }
 }
 
 }  // namespace gear3k::calibrate

@@ -10,6 +10,7 @@
 
 #include "calibrate/causes/free_shape.hpp"
 #include "calibrate/fit/holdout.hpp"
+#include "calibrate/search/better_names.hpp"
 #include "calibrate/search/free_shapes.hpp"
 #include "calibrate/search/linear_sets.hpp"
 #include "calibrate/search/replacements.hpp"

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "calibrate/search/better_names.hpp"
 #include "calibrate/search/free_shapes.hpp"
 #include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/bench.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "calibrate/search/replacements.hpp"
+#include "calibrate/search/better_names.hpp"
 
 namespace gear3k::calibrate::posterior_test {
 namespace {
