@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <string_view>
 
@@ -117,6 +118,34 @@ double revolutions_of(const std::vector<double>& angles) {
   return angles.empty() ? 0.0 : (angles.back() - angles.front()) / (2.0 * std::numbers::pi);
 }
 
+/// Whether a wave of either order has the same phases at all angles, but for a shift and the sense.
+bool are_aliases(const std::vector<double>& angles, double a, double b) {
+  constexpr double kSame = 0.98;
+  const auto together = [&](double order) {
+    std::complex<double> sum = 0.0;
+    for (const double angle : angles) sum += std::polar(1.0, order * angle);
+    return std::abs(sum) >= kSame * static_cast<double>(angles.size());
+  };
+  return together(a - b) || together(a + b);
+}
+
+bool reach(const std::vector<double>& angles, double order) {
+  return revolutions_of(angles) * order >= kLeastPeriods;
+}
+
+/// The order by which angles are asked whether they show a wave of another one: it itself, or that
+/// of a shaft which they show, where both draw the same.
+double order_shown(const Occasion& o, const std::vector<double>& angles, double order) {
+  if (angles_show(angles, order, 1)) return order;
+  for (const train::ShaftOrder& shaft : shafts_of(o)) {
+    if (reach(angles, shaft.order) && angles_show(angles, shaft.order, 1) &&
+        are_aliases(angles, order, shaft.order)) {
+      return shaft.order;
+    }
+  }
+  return order;
+}
+
 }  // namespace
 
 std::vector<train::ShaftOrder> shafts_of(const Occasion& o) {
@@ -130,8 +159,8 @@ std::vector<std::string> shafts_not_shown(const Occasion& o) {
   const std::vector<double> angles = angles_of(*o.data);
   std::vector<std::string> result;
   for (const train::ShaftOrder& order : shafts_of(o)) {
-    if (revolutions_of(angles) * order.order >= kLeastPeriods &&
-        !angles_show(angles, order.order, 1)) {
+    if (reach(angles, order.order) &&
+        !angles_show(angles, order_shown(o, angles, order.order), 1)) {
       result.push_back(
           fmt::format("the {} ({:.4g} per turn of the output)", order.body, order.order));
     }
@@ -153,10 +182,11 @@ std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftO
   const std::vector<double> angles = angles_of(*o.data);
   std::vector<Form> result;
   for (const train::ShaftOrder& order : orders) {
-    if (!(revolutions_of(angles) * order.order >= kLeastPeriods)) continue;
+    if (!reach(angles, order.order)) continue;
+    const double by = order_shown(o, angles, order.order);
     std::array<bool, 3> shown{};
     for (int m = 1; m <= 3; ++m) {
-      shown[static_cast<std::size_t>(m - 1)] = o.every_wave || angles_show(angles, order.order, m);
+      shown[static_cast<std::size_t>(m - 1)] = o.every_wave || angles_show(angles, by, m);
     }
     if (!shown[0]) continue;
     const auto add = [&](std::string_view name, double weight, std::string_view law = "") {

@@ -37,7 +37,9 @@ std::vector<std::string> shafts_not_shown(const Occasion& occasion);
 /// Appends what is said of these, where there are any.
 void add_note_on_shafts(const Occasion& occasion, std::vector<std::string>& notes);
 
-/// Forms for orders that the data can show (angles_show()): they span at least 0.6 of a period.
+/// Forms for orders that the data can show (angles_show()), or that draw the same at these angles
+/// as a shaft's order which they show: what is not told from that is an alternative.  They span at
+/// least 0.6 of a period.
 std::vector<Form> angle_forms(const Occasion& occasion,
                               const std::vector<train::ShaftOrder>& orders);
 

@@ -66,9 +66,9 @@ class Waves : public Bench {
       data_.rows[i].condition.output_angle_rad = angles[i];
     }
   }
-  [[nodiscard]] bool is_sought(double order) const {
+  [[nodiscard]] bool is_sought(double order, const std::string& cause = "runout") const {
     return std::ranges::any_of(candidates_for(simulation_, data_), [&](const Candidate& c) {
-      return c.cause->id == "runout" && c.form.order == order;
+      return c.cause->id == cause && c.form.order == order;
     });
   }
 };
@@ -88,6 +88,27 @@ TEST_F(Waves, AreNotSoughtWhereTheAnglesDoNotShowThem) {
   ASSERT_FALSE(hidden.empty());
   EXPECT_TRUE(
       std::ranges::any_of(hidden, [](const std::string& s) { return s.starts_with("the sun ("); }));
+}
+
+TEST_F(Waves, ThatDrawWhatAShownShaftDoesStayItsAlternatives) {
+  const auto rows = static_cast<int>(data_.rows.size());
+  turn(at_random(rows, 3.0));
+  const std::vector<Candidate> all = candidates_for(simulation_, data_);
+  const auto teeth =
+      std::ranges::find_if(all, [](const Candidate& c) { return c.cause->id == "mesh_order"; });
+  ASSERT_NE(teeth, all.end());
+  const double order = teeth->form.order;
+  // Places of which so many steps make the turn that the teeth, like the output, go by once in it
+  // (1.2 turns in all).
+  const double passed = std::round(1.2 * (order - 1.0) / rows);
+  const std::vector<double> places = every(360.0 * passed / (order - 1.0), rows);
+  turn(places);
+  ASSERT_FALSE(angles_show(places, order, 1));
+  EXPECT_TRUE(is_sought(1.0));
+  EXPECT_TRUE(is_sought(order, "mesh_order"));
+  // Of another shift they draw what no shaft does, a slow curve.
+  turn(every(360.0 * passed / (order - 0.7), rows));
+  EXPECT_FALSE(is_sought(order, "mesh_order"));
 }
 
 TEST_F(Waves, HaveAnAmplitudeOfMoreThanTheirIntervalAndLessThanTheResponse) {
