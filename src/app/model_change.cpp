@@ -122,6 +122,23 @@ double doubt_of(const Judge& judge, const Contender& first, const Contender& sec
   return before && after ? calibrate::gain_doubt(*before, *after, ambiguous) : 0.0;
 }
 
+/// The model with each mesh's own force in the place of the torque that all share: at the operating
+/// point of a gearbox the same on the whole, and what a campaign with that gearbox alone hardly
+/// tells from it.  None of other laws, and where the gearbox does not run.
+std::optional<design::Extension<double>> by_own_force(const Judge& judge, const Contender& measured,
+                                                      const design::Extension<double>& extension) {
+  if (!extension.friction.load_is_torque || !judge.point) return std::nullopt;
+  const design::Design design = design::extended(*measured.stated, extension);
+  const auto result = design::operate(design::lossy_train(design, measured.geometry), *judge.point,
+                                      design::Direction::kForward);
+  if (!result.operation || !(judge.point->output_torque_Nm > 0.0)) return std::nullopt;
+  design::Extension<double> own = extension;
+  own.friction.load_is_torque = own.friction.share_is_of_force = false;
+  own.friction.reference_force_N *=
+      calibrate::mean_force(*result.operation) / judge.point->output_torque_Nm;
+  return own;
+}
+
 /// Quantile of sorted values, linear between them.
 double quantile(const std::vector<double>& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
@@ -331,6 +348,15 @@ report::ModelChange change_of(const OptimizeTask& task, const Optimization& with
   change.gain = estimate(difference(after_now.objective, before_now.objective), gain);
   if (change.gain) change.gain_by_parameters = change.gain->ci90;
   add_doubt(judge, first, second, *task.model, change);
+  if (const auto own = by_own_force(judge, first, task.model->extension)) {
+    const auto gain_by_force = difference(values_of(judge, second, *own).objective,
+                                          values_of(judge, first, *own).objective);
+    if (change.gain && gain_by_force) {
+      const double apart = std::abs(*gain_by_force - change.gain->value);
+      widen(change.after.objective, apart);
+      widen(change.gain, apart);
+    }
+  }
   settle_gain(change);
   return change;
 }

@@ -122,6 +122,42 @@ TEST(ModelChange, WithoutStandardDeviationsTheGainHasNoInterval) {
             "model.toml states no standard deviation of bearing_load.friction_radius");
 }
 
+/// Friction that falls with the load, by a variable, beside friction on the pins.
+Model falling(const std::string& form, const std::string& reference) {
+  return model_from(
+      "[transmission.causes.bearing_load]\nform = \"planet_bearings\"\n"
+      "friction_radius_mm = 1.0\nfriction_radius_mm_sd = 0.001\n"
+      "[transmission.causes.friction_load]\nform = \"" +
+      form + "\"\n" + reference +
+      "\nlog_half_range = 1.0\nexponent = -0.4\nexponent_sd = 0.001\nrelative_change = 0.0\n"
+      "relative_change_sd = 0.001\n");
+}
+
+TEST(ModelChange, IntervalHoldsTheGainByEachMeshsOwnForce) {
+  const optimize::Specification spec = small_spec();
+  const double torque_Nm = spec.operating_point->output_torque_Nm;
+  const auto comparison = compare(
+      spec,
+      falling("any_level_by_torque", fmt::format("reference_torque_nm = {}", 0.5 * torque_Nm)));
+  ASSERT_TRUE(comparison.change) << comparison.missing;
+  const report::ModelChange& c = *comparison.change;
+  ASSERT_FALSE(c.same_design);
+  // The same friction on the whole, at half of the forces that the first gearbox has.
+  double product = 1.0;
+  const auto before = analysed(
+      spec, c.before.stated,
+      falling("any_level_by_torque", fmt::format("reference_torque_nm = {}", 0.5 * torque_Nm)));
+  for (const auto& mesh : before.forward.operation->mesh) product *= mesh.normal_force_N;
+  const double own = backward_gain(
+      spec, c,
+      falling("any_level", fmt::format("reference_load_n = {}", 0.5 * std::cbrt(product))));
+  const double apart = std::abs(own - c.gain->value);
+  EXPECT_GT(apart, 1e-6) << "the two tell nothing apart";
+  constexpr double kQuantile95 = 1.6448536;
+  EXPECT_LE((*c.gain->ci90)[0], c.gain->value - kQuantile95 * apart + 1e-9);
+  EXPECT_GE((*c.gain->ci90)[1], c.gain->value + kQuantile95 * apart - 1e-9);
+}
+
 TEST(ModelChange, ADragAtTheSunLeavesTheBestDesignAsItIs) {
   const auto comparison =
       compare(small_spec(),

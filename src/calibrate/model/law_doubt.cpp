@@ -25,6 +25,16 @@ double sum_of_shares(const MeshLosses& losses) {
 
 }  // namespace
 
+double mean_force(const design::Operation<double>& operation) {
+  double sum = 0.0, count = 0.0;
+  for (const auto& mesh : operation.mesh) {
+    if (!(mesh.normal_force_N > 0.0)) continue;
+    sum += std::log(mesh.normal_force_N);
+    count += 1.0;
+  }
+  return count > 0.0 ? std::exp(sum / count) : 1.0;
+}
+
 MeshLosses mesh_losses(const design::Operation<double>& operation, design::Direction direction,
                        const efficiency::FrictionExtension<double>& friction,
                        double temperature_K) {

@@ -17,6 +17,9 @@ struct MeshLoss {
 };
 using MeshLosses = std::array<MeshLoss, train::kMeshCount>;
 
+/// Geometric mean of the meshes' normal forces, of those that carry any [N]; 1 where none does.
+double mean_force(const design::Operation<double>& operation);
+
 /// Those of an operation in a direction with an extension's friction at a temperature.
 MeshLosses mesh_losses(const design::Operation<double>& operation, design::Direction direction,
                        const efficiency::FrictionExtension<double>& friction, double temperature_K);
