@@ -55,6 +55,7 @@ gear3k_library(calibrate
     measurement/covariate_levels.cpp
     measurement/noise.cpp
     measurement/noise_memory.cpp
+    measurement/reading_steps.cpp
     measurement/row_selection.cpp
     model/cause.cpp
     model/extended_model.cpp

@@ -74,6 +74,11 @@ io::Json body_json(const Alternative& a, const std::vector<std::string>& runs) {
   return json;
 }
 
+io::Json lack_json(const calibrate::LackOfFit& lack) {
+  if (lack.degrees <= 0 || lack.pure_degrees <= 0) return nullptr;
+  return {{"f", lack.f}, {"p_value", lack.p_value}, {"degrees", {lack.degrees, lack.pure_degrees}}};
+}
+
 io::Json alternative_json(const Alternative& a, const std::vector<std::string>& runs) {
   io::Json json = body_json(a, runs);
   json["probability"] = a.probability;
@@ -333,12 +338,8 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                     {"memory", memory_json(d.memory)}}}};
   json["loops"] = loops_json(set);
   json["p_value"] = d.p_value;
-  json["lack_of_fit"] =
-      d.lack_of_fit.degrees > 0 && d.lack_of_fit.pure_degrees > 0
-          ? io::Json{{"f", d.lack_of_fit.f},
-                     {"p_value", d.lack_of_fit.p_value},
-                     {"degrees", {d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees}}}
-          : nullptr;
+  json["lack_of_fit"] = lack_json(d.lack_of_fit);
+  json["lack_of_fit_of_extended"] = lack_json(d.lack_of_model);
   json["holdout_blocks"] = text_or_null(d.holdout_blocks);
   json["extrapolation"] = extrapolation_json(d);
   json["candidates"] = list_json(d.evidence, [](const auto& c) {

@@ -114,8 +114,10 @@ std::string effect_text(const Effect& e, const std::vector<std::string>& runs, b
   }
   for (const ParameterResult& p : e.parameters) text += limits_text(p);
   for (const Alternative& other : e.other_bodies) {
-    text += fmt::format("  These data cannot tell where: as well{}: {}\n",
-                        place_clause(other.id, other.form), parameters_text(other.parameters));
+    const std::string form = other.form.body.empty() ? form_clause(other.form, runs) : "";
+    text +=
+        fmt::format("  These data cannot tell where: as well{}{}: {}\n",
+                    place_clause(other.id, other.form), form, parameters_text(other.parameters));
   }
   if (!e.alternatives.empty()) {
     text += several ? "  These data cannot tell it from (each beside another cause as above):\n"
@@ -493,9 +495,18 @@ std::string remainder_text(const Diagnosis& d, const MeasurementSet& set) {
 
 std::string lack_text(const Diagnosis& d) {
   if (d.lack_of_fit.degrees <= 0 || d.lack_of_fit.pure_degrees <= 0) return "";
-  return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, {}.\n",
-                     d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees, clean(d.lack_of_fit.f),
-                     p_statement(d.lack_of_fit.p_value));
+  const auto f_of = [](const calibrate::LackOfFit& lack) {
+    return fmt::format("F({}, {}) = {:.3g}, {}", lack.degrees, lack.pure_degrees, clean(lack.f),
+                       p_statement(lack.p_value));
+  };
+  std::string text = fmt::format("Lack of fit of the simulation as given: {}", f_of(d.lack_of_fit));
+  if (d.lack_of_model.degrees > 0) {
+    constexpr double kRare = 1e-3;
+    text += fmt::format(
+        "; of the extended model: {}{}", f_of(d.lack_of_model),
+        d.lack_of_model.p_value < kRare ? ": its shape leaves more than repeats differ by" : "");
+  }
+  return text + ".\n";
 }
 
 std::string notes_text(const Diagnosis& d, const MeasurementSet& set) {

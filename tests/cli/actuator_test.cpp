@@ -261,7 +261,8 @@ TEST(Selection, TellsTheTransparencyThatNothingLimits) {
   const ProgramResult run =
       place.run({"actuator", "--select", "s.toml", "--out", "out", "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const json& pair : json::parse(run.out).at("front")) {
+  const json selection = json::parse(run.out);
+  for (const json& pair : selection.at("front")) {
     // Without drag and friction: width over mean of 1/eta and eta, as of 3 N m so of any torque.
     const double eta = pair.at("ratio") == 20.0 ? 0.8 : 0.7;
     EXPECT_NEAR(pair.at("felt").at("transparency").get<double>(),

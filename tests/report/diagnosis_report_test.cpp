@@ -150,6 +150,17 @@ TEST(DiagnosisTable, SaysInPercentHowFarOffTheSimulationIsAndWhy) {
   EXPECT_TRUE(contains(text, "nothing beyond noise")) << text;
 }
 
+TEST(DiagnosisTable, TellsHowMuchTheModelsShapeLeavesBeyondRepeats) {
+  Case c = dragged();
+  EXPECT_TRUE(contains(c.table(), "as given: F(4, 4) = 30, p = 1e-05.\n")) << c.table();
+  c.diagnoses[0].lack_of_model = {.f = 2.0, .p_value = 0.26, .degrees = 3, .pure_degrees = 4};
+  EXPECT_TRUE(contains(c.table(), "; of the extended model: F(3, 4) = 2, p = 0.26.\n"))
+      << c.table();
+  c.diagnoses[0].lack_of_model.p_value = 1e-4;
+  EXPECT_TRUE(contains(c.table(), "p = 0.0001: its shape leaves more than repeats differ by.\n"))
+      << c.table();
+}
+
 TEST(DiagnosisTable, TellsAMinorRemainderFromNone) {
   Case c = dragged();
   c.diagnoses.front().remainder.minor = true;
@@ -273,6 +284,7 @@ TEST(DiagnosisJson, WhatIsNotKnownIsNull) {
   EXPECT_TRUE(data.at("rmse").at("extended_holdout").is_null());
   EXPECT_TRUE(data.at("next_experiment").is_null());
   EXPECT_TRUE(data.at("lack_of_fit").is_null());
+  EXPECT_TRUE(data.at("lack_of_fit_of_extended").is_null());
   EXPECT_TRUE(data.at("extrapolation").is_null());
 }
 

@@ -6,18 +6,9 @@
 #include <optional>
 
 #include "calibrate/measurement/measurement.hpp"
+#include "calibrate/measurement/reading_steps.hpp"
 
 namespace gear3k::calibrate {
-
-/// Readings are `origin` and whole numbers of `step` from there [SI].
-struct ReadingSteps {
-  double origin = 0.0, step = 0.0;
-};
-
-/// The step of the responses, whatever its size; unlike resolution_of() no power of ten.
-/// @returns nothing where the responses take no equal steps, or nearly as many values as there are
-///          rows
-std::optional<ReadingSteps> reading_steps(const MeasurementSet& data);
 
 /// Readings as they may have been before they were rounded, if the simulation is right: each is
 /// drawn from the normal distribution about its simulated value between the bounds of its step,

@@ -65,22 +65,19 @@ Levels levels_of(std::string name, const std::vector<double>& values, double per
 }
 
 /// Time since the first row of each row's session [s].
-std::vector<double> session_times(const MeasurementSet& data) {
+/// @param times  of the rows [s]
+std::vector<double> session_times(const MeasurementSet& data, const std::vector<double>& times) {
   std::vector<double> start(data.runs.size(), HUGE_VAL);
-  const auto run_of = [&](const Observation& row) {
-    return static_cast<std::size_t>(row.condition.run);
+  std::vector<double> since(times.size(), std::nan(""));
+  const auto each = [&](const auto& act) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const int run = data.rows[i].condition.run;
+      if (run >= 0 && std::isfinite(times[i])) act(i, start[static_cast<std::size_t>(run)]);
+    }
   };
-  for (const Observation& row : data.rows) {
-    if (row.condition.run < 0 || !std::isfinite(row.condition.time_s)) continue;
-    start[run_of(row)] = std::min(start[run_of(row)], row.condition.time_s);
-  }
-  std::vector<double> times;
-  times.reserve(data.rows.size());
-  for (const Observation& row : data.rows) {
-    times.push_back(row.condition.run < 0 ? std::nan("")
-                                          : row.condition.time_s - start[run_of(row)]);
-  }
-  return times;
+  each([&](std::size_t i, double& first) { first = std::min(first, times[i]); });
+  each([&](std::size_t i, double first) { since[i] = times[i] - first; });
+  return since;
 }
 
 }  // namespace
@@ -112,6 +109,22 @@ std::vector<double> column_of(const MeasurementSet& data, double Condition::*mem
   result.reserve(data.rows.size());
   for (const Observation& row : data.rows) result.push_back(row.condition.*member);
   return result;
+}
+
+std::vector<double> reading_times(const MeasurementSet& data) {
+  std::vector<double> times = column_of(data, &Condition::time_s);
+  if (data.kind != Kind::kTorqueAngle) return times;
+  const auto of_one_loop = [&](std::size_t a, std::size_t b) {
+    return data.rows[a].file == data.rows[b].file && data.rows[a].line == data.rows[b].line;
+  };
+  for (std::size_t first = 0, end = 0; first < times.size(); first = end) {
+    double sum = 0.0;
+    for (end = first; end < times.size() && of_one_loop(first, end); ++end) sum += times[end];
+    std::fill(times.begin() + static_cast<std::ptrdiff_t>(first),
+              times.begin() + static_cast<std::ptrdiff_t>(end),
+              sum / static_cast<double>(end - first));
+  }
+  return times;
 }
 
 std::vector<Levels> tooth_levels(const MeasurementSet& data) {
@@ -147,7 +160,8 @@ std::vector<Levels> covariate_levels(const MeasurementSet& data) {
   add("speed", column_of(data, &Condition::sun_speed_rad_s), units::kRpm, 0.0);
   add("test torque", column_of(data, &Condition::test_torque_Nm), 1.0, 0.0);
   add("temperature", column_of(data, &Condition::temperature_K), 1.0, 273.15);
-  add("time", column_of(data, &Condition::time_s), 1.0, 0.0);
+  const std::vector<double> times = reading_times(data);
+  add("time", times, 1.0, 0.0);
   add("cycles", column_of(data, &Condition::cycles), 1.0, 0.0);
   add("direction", integers([](const Condition& c) {
         return c.direction == design::Direction::kForward ? 1.0 : -1.0;
@@ -161,7 +175,7 @@ std::vector<Levels> covariate_levels(const MeasurementSet& data) {
       integers([](const Condition& c) { return static_cast<double>(c.driven_teeth); }), 1.0, 0.0);
   if (data.runs.size() > 1) {
     // What warms up or settles does so anew in every session.
-    add("session time", session_times(data), 1.0, 0.0);
+    add("session time", session_times(data, times), 1.0, 0.0);
     add("run", integers([](const Condition& c) { return static_cast<double>(c.run); }), 1.0, 0.0);
   }
   for (const Covariate& c : data.covariates) add(c.name, c.value, 1.0, 0.0);

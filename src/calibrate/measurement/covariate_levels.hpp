@@ -35,4 +35,8 @@ Eigen::MatrixXd indicators(const Levels& levels);
 /// A quantity of the rows' conditions.
 std::vector<double> column_of(const MeasurementSet& data, double Condition::*member);
 
+/// When each row was read, as structure along the time sees it [s]: of loops the mean of all rows
+/// of the loop, as within one nothing tells the time from the torque.
+std::vector<double> reading_times(const MeasurementSet& data);
+
 }  // namespace gear3k::calibrate

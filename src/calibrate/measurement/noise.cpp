@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calibrate/measurement/covariate_levels.hpp"
+#include "calibrate/measurement/reading_steps.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "numerics/distributions.hpp"
@@ -19,6 +20,8 @@ namespace {
 
 /// Bins of 2 % of a range; rows on either side of an edge count as different.
 constexpr double kSameShare = 0.02;
+/// Of a step, over the deviation of what rounding to it takes off.
+constexpr double kSqrt12 = 3.4641016151377544;
 
 using Key = std::array<long long, 10>;
 
@@ -107,7 +110,12 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
   NoiseModel noise;
   noise.weight = Eigen::VectorXd::Ones(n);
   // What was set has as few digits as one likes: they say nothing of a sensor.
-  noise.rounding = is_commanded(data) ? 0.0 : resolution_of(data) / std::sqrt(12.0);
+  if (!is_commanded(data)) {
+    noise.rounding = resolution_of(data) / kSqrt12;
+    if (const auto steps = reading_steps(data); steps && data.kind != Kind::kTorqueAngle) {
+      noise.step = steps->step;
+    }
+  }
   const bool stated =
       n > 0 && std::ranges::all_of(data.rows, [](const auto& row) { return row.sigma > 0.0; });
   if (stated) {
@@ -208,12 +216,26 @@ double NoiseModel::known_scale() const {
 
 double NoiseModel::least_scale() const {
   constexpr double kLeast = 1e-300;
-  return weight.size() == 0 ? kLeast : std::max(rounding * weight.mean(), kLeast);
+  return weight.size() == 0 ? kLeast
+                            : std::max(std::max(rounding, step / kSqrt12) * weight.mean(), kLeast);
+}
+
+double NoiseModel::deviation_of(const Eigen::VectorXd& whitened) const {
+  if (!(step > 0.0) || whitened.size() != weight.size()) return robust_deviation(whitened);
+  constexpr int kParts = 16;
+  Eigen::VectorXd spread(kParts * whitened.size());
+  for (int k = 0; k < kParts; ++k) {
+    const double place = (2.0 * k + 1.0) / kParts - 1.0;
+    spread.segment(k * whitened.size(), whitened.size()) = whitened + place * step * weight;
+  }
+  const double rounded = step * weight.mean() / kSqrt12, added = 2.0 * rounded;
+  const double deviation = robust_deviation(spread);
+  return std::sqrt(std::max(deviation * deviation - added * added, rounded * rounded));
 }
 
 bool NoiseModel::within_rounding(const Eigen::VectorXd& whitened) const {
   constexpr double kMost = 1.3;
-  return rounding > 0.0 && root_mean_square(whitened) <= kMost * least_scale();
+  return rounding > 0.0 && root_mean_square(whitened) <= kMost * rounding * weight.mean();
 }
 
 bool NoiseModel::mixes_rows() const { return remembers() || (session_variance > 0.0 && runs > 0); }
@@ -239,14 +261,15 @@ PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
   return error;
 }
 
-LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted) {
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted, int parameters) {
   const PureError pure = pure_error(repeats, weighted);
-  if (pure.degrees < 1 || !(pure.sum_of_squares > 0.0)) return {};
-  const double f = (weighted.squaredNorm() - pure.sum_of_squares) / repeats.cells /
+  const int degrees = repeats.cells - parameters;
+  if (degrees < 1 || pure.degrees < 1 || !(pure.sum_of_squares > 0.0)) return {};
+  const double f = (weighted.squaredNorm() - pure.sum_of_squares) / degrees /
                    (pure.sum_of_squares / pure.degrees);
   return {.f = f,
-          .p_value = f_tail(f, repeats.cells, pure.degrees),
-          .degrees = repeats.cells,
+          .p_value = f_tail(f, degrees, pure.degrees),
+          .degrees = degrees,
           .pure_degrees = pure.degrees};
 }
 

@@ -36,6 +36,8 @@ struct NoiseModel {
   double session_variance = 0.0;
   /// Deviation of a reading by the last digit alone [SI]: its unit over √12.
   double rounding = 0.0;
+  /// Step of readings that take few values (reading_steps()) [SI]; 0: they take any.
+  double step = 0.0;
   ReadingOrder order{};  ///< of the rows, where the data tell it
   NoiseMemory memory{};  ///< of readings that follow each other so
 
@@ -54,6 +56,10 @@ struct NoiseModel {
   [[nodiscard]] double known_scale() const;
   /// Deviation of whitened rows that the last digit alone makes; above 0 in any case.
   [[nodiscard]] double least_scale() const;
+  /// robust_deviation() of whitened residuals; of readings in steps of that of the readings spread
+  /// evenly over a step to either side, less what the spread adds (within a quarter up to steps of
+  /// twice the deviation): the median of few values tells nothing.
+  [[nodiscard]] double deviation_of(const Eigen::VectorXd& whitened) const;
   /// Whether weighted residuals are no more than the last digit makes.
   [[nodiscard]] bool within_rounding(const Eigen::VectorXd& whitened) const;
   /// Whether whiten() makes a row of several.
@@ -86,8 +92,9 @@ struct LackOfFit {
   double f = 0.0, p_value = 1.0;
   int degrees = 0, pure_degrees = 0;  ///< 0: nothing was repeated
 };
-/// @param weighted  measured − simulated, weighted, of a simulation without fitted parameters
-LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted);
+/// @param weighted  measured − simulated, weighted
+/// @param parameters  that were fitted to these rows; all 0 where there are as many cells or fewer
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted, int parameters = 0);
 
 /// P(F ≥ f) for Fisher's distribution; 1 where there are no degrees of freedom.
 double f_tail(double f, int degrees1, int degrees2);

@@ -44,27 +44,35 @@ Fit in_place(Fit fit, std::size_t effect) {
 
 namespace {
 
-/// The effect's cause at its other bodies, where that explains as well.
-std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult& result,
-                                         std::size_t effect) {
+/// The same cause at another body, or in the reading where the other is in the gearbox: one
+/// sensor's zero, and the other's.
+bool is_elsewhere(const Candidate& c, const Candidate& own) {
+  return c.cause == own.cause && c.parameters.size() == own.parameters.size() &&
+         (c.form.body != own.form.body || place_of(c) != place_of(own));
+}
+
+/// A fit with another form in the place of an effect, from where that does nothing.
+Hypothesis start_with(const Hypothesis& h, std::size_t effect, const Candidate& form) {
+  Hypothesis start = h;
+  start.effects[effect] = form;
+  const auto first = start.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
+  std::fill_n(first, form.parameters.size(), 0.0);
+  return start;
+}
+
+/// The effect's cause elsewhere, where that explains as well.
+std::vector<Replacement> elsewhere(const Judge& judge, const SearchResult& result,
+                                   std::size_t effect) {
   const Candidate& own = result.fit.hypothesis.effects[effect];
   std::vector<Replacement> found;
-  if (own.form.body.empty()) return found;
   std::vector<const Candidate*> bodies;
   std::vector<Hypothesis> starts;
   // Forms with harmonics are not searched for, but a body that is round in none has them too.
   for (const Candidate& c : judge.candidates()) {
     const bool searched = c.form.weight > 0.0 || own.form.order > 0.0;
-    if (!searched || c.cause != own.cause || c.form.body == own.form.body ||
-        c.parameters.size() != own.parameters.size()) {
-      continue;
-    }
-    Hypothesis h = result.fit.hypothesis;
-    h.effects[effect] = c;
-    const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
-    std::fill_n(first, c.parameters.size(), 0.0);
+    if (!searched || !is_elsewhere(c, own)) continue;
     bodies.push_back(&c);
-    starts.push_back(std::move(h));
+    starts.push_back(start_with(result.fit.hypothesis, effect, c));
   }
   std::vector<Fit> fits = fit_all(judge.problem(), starts, judge.scale());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -77,6 +85,20 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
   return found;
 }
 
+/// What is missed is missed in readings: the zero of the sensor that gave them is named before that
+/// of another one, where it explains as well.
+void prefer_reading(const Judge& judge, std::size_t effect, Fit& found) {
+  const Candidate own = found.hypothesis.effects[effect];
+  if (own.cause->place != Place::kMeasurement || place_of(own) != Place::kGearbox) return;
+  for (const Candidate& c : judge.candidates()) {
+    if (!(c.form.weight > 0.0) || !is_elsewhere(c, own) || place_of(c) == Place::kGearbox) continue;
+    Fit trial = fit(judge.problem(), start_with(found.hypothesis, effect, c), judge.scale());
+    if (judge.difference(trial, found) > kAsWell) continue;
+    found = std::move(trial);
+    return;
+  }
+}
+
 }  // namespace
 
 void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
@@ -84,9 +106,10 @@ void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
   prefer_parameters(judge, result);
   const std::vector<Candidate> searched = result.fit.hypothesis.effects;
   take_unsearched_forms(judge, all, result);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) prefer_reading(judge, e, result.fit);
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
     weigh_effect(judge, result, e, searched[e], result.effects[e]);
-    result.effects[e].other_bodies = other_bodies_of(judge, result, e);
+    result.effects[e].other_bodies = elsewhere(judge, result, e);
   }
 }
 
@@ -154,7 +177,9 @@ bool take_likelier_name(const Judge& judge, SearchResult& result) {
     if (is_parameter(*result.fit.hypothesis.effects[e].cause)) continue;
     for (Replacement& r : result.effects[e].replacements) {
       const Hypothesis& h = r.fit.hypothesis;
-      if (!(r.statistic < -kLikelier)) continue;
+      // An effect more has to pay as every one beside another does.
+      const bool adds = h.effects.size() > result.effects.size();
+      if (!(r.statistic < (adds ? -kBesideAnother : -kLikelier))) continue;
       // Nor back again: of any shape it is likelier, and by what the shape costs it is not.
       if (judge.difference(r.fit, result.fit) > kLikelier) continue;
       if (h.effects.size() > kMostEffects || !last_is_plausible(h)) continue;

@@ -12,6 +12,9 @@ namespace gear3k::calibrate {
 inline constexpr double kAsWell = 6.0;
 /// χ² by which the preferred of two may be worse: a step between sessions against a law.
 inline constexpr double kPreferred = 2.0;
+/// BIC that an effect beside another one has to pay: a law of slightly another shape than the true
+/// one leaves what a second cause takes up.
+inline constexpr double kBesideAnother = 10.0;
 /// χ² below which two are alike: what rounding tells apart stays in the order of the library.
 inline constexpr double kSameChi = 1e-6;
 

@@ -63,7 +63,7 @@ class Proposals {
         order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), kRefinedPerStep));
     double fine = scale;
     for (auto k = order.begin(); k != refined; ++k) {
-      fine = std::min(fine, std::max(least, robust_deviation(fits[*k].residual)));
+      fine = std::min(fine, std::max(least, problem.noise.deviation_of(fits[*k].residual)));
     }
     // Laws of fixed shape leave a residue by which a wrong set may look better.
     for_fits(problem, static_cast<std::size_t>(refined - order.begin()), [&](std::size_t rank) {
@@ -160,7 +160,7 @@ Growth::Growth(const Problem& problem, const std::vector<Candidate>& all,
       agrees_(problem.noise.within_rounding(base_.residual)),
       // Known scatter bounds outliers only once something is fitted: what the simulation misses is
       // far beyond it.
-      scale_(std::max({known_, robust_deviation(base_.residual), least_})),
+      scale_(std::max({known_, problem.noise.deviation_of(base_.residual), least_})),
       levels_(covariate_levels(problem.data)),
       best_(fit(problem, {}, scale_)) {
   std::ranges::copy_if(all, std::back_inserter(simple_),
@@ -252,7 +252,7 @@ bool Growth::step(int size) {
           .best_fit(problem_, simple_, best_.hypothesis, levels_, scale_, std::max(known_, least_));
   if (!winner || (size > 1 && !adds_enough(*winner))) return false;
   best_ = std::move(*winner);
-  scale_ = std::max({known_, robust_deviation(best_.residual), least_});
+  scale_ = std::max({known_, problem_.noise.deviation_of(best_.residual), least_});
   return true;
 }
 
@@ -319,10 +319,8 @@ void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, c
       ++names;
       continue;
     }
-    // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
-    // law of slightly another shape than the true one leaves what a second cause takes up.
-    constexpr double kStrong = 10.0;
-    const double least_gain = result.effects.size() > 1 ? kStrong : 0.0;
+    // A name has to pay for its parameters; beside another one its evidence has to be strong.
+    const double least_gain = result.effects.size() > 1 ? kBesideAnother : 0.0;
     const auto weakest = std::ranges::min_element(result.effects, {}, &FoundEffect::delta_bic);
     if (weakest == result.effects.end() || weakest->delta_bic > least_gain) return;
     const auto effect = static_cast<std::size_t>(weakest - result.effects.begin());

@@ -197,7 +197,7 @@ Remainders search_remainders(const Problem& problem, const SearchResult& found,
                              const Baseline& baseline, const std::vector<Levels>& levels,
                              const DiagnoseOptions& options) {
   const double rate = kRemainderShare * options.false_discovery_rate;
-  Remainders r{.before = columns_at(problem, {}, {}, robust_deviation(baseline.weighted)),
+  Remainders r{.before = columns_at(problem, {}, {}, problem.noise.deviation_of(baseline.weighted)),
                .after = columns_at(problem, found.fit.hypothesis, {}, found.scale),
                .of_baseline = {},
                .of_fit = {},
@@ -473,6 +473,20 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
   add_correction(d, m, formula, blocks, scale);
 }
 
+/// What the extended model misses at the means of repeats against their scatter.
+/// @param place  of each row of the problem among those of the diagnosis
+LackOfFit lack_of_model(const Problem& problem, const Repeats& repeats, const Diagnosis& d,
+                        const std::vector<std::size_t>& place) {
+  // The covariance is that of all parameters, square.
+  const auto parameters = static_cast<int>(std::lround(std::sqrt(d.model.covariance.size())));
+  if (parameters == 0) return {};
+  Eigen::VectorXd missed = measured(problem.data);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    missed[static_cast<Eigen::Index>(i)] -= d.rows[place[i]].extended;
+  }
+  return lack_of_fit(repeats, missed.cwiseProduct(problem.noise.weight), parameters);
+}
+
 }  // namespace
 
 std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
@@ -592,6 +606,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   if (d.laws.empty()) {
     predict_at_least_as_refit(d, all, standing.hypothesis, found, held.blocks, row_scale);
   }
+  d.lack_of_model = lack_of_model(problem, repeats, d, rows.place);
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;
   return d;

@@ -175,6 +175,7 @@ struct Diagnosis {
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   MemoryEstimate memory;           ///< how the noise remembers
   LackOfFit lack_of_fit;           ///< of the baseline
+  LackOfFit lack_of_model;         ///< of the extended model; nothing where it has no parameters
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
   /// What the model predicts by: where structure is left and neither a cause nor a law stands, and
   /// where one refitted parameter predicts better than what was found.

@@ -252,6 +252,11 @@ void say_what_is_too_little(const std::vector<Pair>& pairs, NextExperiment& plan
   if (useless) plan.conditions.clear();
 }
 
+/// Where a candidate acts: its body, or the sensor whose zero it is.
+std::string where(const Candidate& c) {
+  return c.form.body.empty() ? c.form.name + " sensor" : c.form.body;
+}
+
 }  // namespace
 
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
@@ -302,14 +307,14 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypo
   const Candidate& own = hypothesis.effects[*open];
   std::vector<Explanation> explanations{{.id = std::string(own.cause->id),
                                          .fit = fit(problem, hypothesis, scale),
-                                         .body = asks_where ? own.form.body : ""}};
+                                         .body = asks_where ? where(own) : std::string()}};
   for (const Replacement& r : found[*open].replacements) {
     explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
   }
   if (asks_where) {
     for (const Replacement& r : found[*open].other_bodies) {
       explanations.push_back(
-          {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
+          {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = where(r.candidate)});
     }
   } else if (effects[*open].is_doubtful()) {
     explanations.push_back({.id = kNothingBehind,

@@ -67,7 +67,7 @@ double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitene
   // by 1.17/√n of what it is.
   constexpr double kErrors = 2.0 * 1.167;
   const double most = kAsStated * (1.0 + kErrors / std::sqrt(static_cast<double>(degrees)));
-  if (robust_deviation(whitened) <= most) return 1.0;
+  if (noise.deviation_of(whitened) <= most) return 1.0;
   return numerics::gamma_upper(0.5 * degrees, 0.5 * squares);
 }
 

@@ -29,11 +29,7 @@ struct Trend {
 std::vector<Trend> trends_of(const MeasurementSet& data) {
   std::vector<Trend> result;
   const auto n = static_cast<Eigen::Index>(data.rows.size());
-  const auto add = [&](const char* name, bool natural_zero, auto get) {
-    Eigen::VectorXd value(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      value[i] = get(data.rows[static_cast<std::size_t>(i)].condition);
-    }
+  const auto add_values = [&](const char* name, bool natural_zero, Eigen::VectorXd value) {
     if (!value.allFinite()) return;
     const double low = value.minCoeff();
     const double high = value.maxCoeff();
@@ -45,13 +41,21 @@ std::vector<Trend> trends_of(const MeasurementSet& data) {
     }
     result.push_back({.name = name, .value = std::move(value)});
   };
+  const auto add = [&](const char* name, bool natural_zero, auto get) {
+    Eigen::VectorXd value(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      value[i] = get(data.rows[static_cast<std::size_t>(i)].condition);
+    }
+    add_values(name, natural_zero, std::move(value));
+  };
   if (!is_commanded(data)) {
     add("load", true, [](const Condition& c) { return c.output_torque_Nm; });
   }
   add("speed", true, [](const Condition& c) { return c.sun_speed_rad_s; });
   add("test torque", true, [](const Condition& c) { return c.test_torque_Nm; });
   add("temperature", false, [](const Condition& c) { return c.temperature_K; });
-  add("time", false, [](const Condition& c) { return c.time_s; });
+  const std::vector<double> times = reading_times(data);
+  add_values("time", false, Eigen::Map<const Eigen::VectorXd>(times.data(), n));
   add("direction", false,
       [](const Condition& c) { return c.direction == design::Direction::kForward ? 1.0 : -1.0; });
   add("rotation", false, [](const Condition& c) { return static_cast<double>(c.rotation); });
@@ -129,6 +133,17 @@ class TermCollection {
   [[nodiscard]] bool few(const Levels& l) const {
     return l.count <= static_cast<int>(problem_.data.rows.size() / 3);
   }
+  /// Neighbours together until they are few: rows of few loops have as many torques as loops.
+  [[nodiscard]] Levels in_few(Levels l) const {
+    const int most = static_cast<int>(problem_.data.rows.size() / 3);
+    if (l.count <= most || most < 2) return l;
+    for (int& level : l.of) {
+      if (level >= 0) level = level * most / l.count;
+    }
+    l.count = most;
+    l.at.clear();
+    return l;
+  }
   /// Sessions that scatter are part of the noise.
   [[nodiscard]] bool is_noise(const Levels& l) const {
     return l.name == "run" && problem_.noise.session_variance > 0.0;
@@ -152,7 +167,7 @@ class TermCollection {
   void add_levels() {
     for (const Levels& l : levels_) {
       if (is_noise(l)) continue;
-      add(l, Entry::kLevels, 1.0);
+      add(l.name == "run" ? l : in_few(l), Entry::kLevels, 1.0);
       for (const char* other : {"direction", "rotation"}) {
         const Levels* o = find(other);
         if (o != nullptr && o->name != l.name) add(crossed(l, *o), Entry::kNone, 0.5);
@@ -401,7 +416,7 @@ OrderScan scan_angle(const std::vector<double>& angle, double ratio, const FreeR
 
 /// Phase of a wave that fits once into the time of the rows.
 std::vector<double> time_phase(const MeasurementSet& data) {
-  std::vector<double> phase = column_of(data, &Condition::time_s);
+  std::vector<double> phase = reading_times(data);
   const ValueRange range = range_of(phase);
   if (!range.varies()) return {};
   for (double& t : phase) t = 2.0 * std::numbers::pi * (t - range.low) / (range.high - range.low);

@@ -86,11 +86,12 @@ Levels sectors_of(const MeasurementSet& data, const EmpiricalTerm& term) {
   Levels sectors{
       .name = term.along, .of = std::vector<int>(data.rows.size(), -1), .count = kSectors};
   for (int k = 0; k < kSectors; ++k) sectors.at.push_back(360.0 * (k + 0.5) / kSectors);
-  const ValueRange time = range_of(data, &Condition::time_s);
+  const std::vector<double> times = reading_times(data);
+  const ValueRange time = range_of(times);
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
     const Condition& c = data.rows[i].condition;
     const double turn = term.along == "time"
-                            ? term.order * (c.time_s - time.low) / (time.high - time.low)
+                            ? term.order * (times[i] - time.low) / (time.high - time.low)
                             : term.order * c.output_angle_rad / (2.0 * std::numbers::pi);
     if (!std::isfinite(turn)) continue;
     sectors.of[i] = std::min(static_cast<int>((turn - std::floor(turn)) * kSectors), kSectors - 1);

@@ -118,6 +118,26 @@ TEST_F(Constants, InOneRotationADragAtTheOutputDoesAsWell) {
                                     : id == "sensor_offset" && may_be(result, "drag_constant"));
 }
 
+TEST_F(Constants, OfOneDirectionTheZeroOfTheSensorThatWasReadIsNamedBeforeTheOthers) {
+  // Forward alone either sensor's zero draws the same: 0.01 N m at the sun are 0.4 at the output.
+  constexpr double kZero_Nm = 0.01;
+  measure(
+      [](const Row& r) { return catalogue_torque(r.forward, r.stated_Nm) + r.rotation * kZero_Nm; },
+      true);
+  std::erase_if(data_.rows, [](const Observation& o) {
+    return o.condition.direction == design::Direction::kBackward;
+  });
+  const SearchResult result = found();
+  ASSERT_EQ(result.effects.size(), 1U);
+  EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "offset");
+  EXPECT_NEAR(std::abs(result.fit.hypothesis.value[0]), kZero_Nm, 0.001);
+  const std::vector<Replacement>& elsewhere = result.effects[0].other_bodies;
+  const auto output = std::ranges::find(elsewhere, "output",
+                                        [](const Replacement& r) { return r.candidate.form.name; });
+  ASSERT_NE(output, elsewhere.end());
+  EXPECT_NEAR(std::abs(output->fit.hypothesis.value[0]), kZero_Nm * 50.0 * 0.8, 0.04);
+}
+
 TEST_F(Constants, ADragThatPushesIsNoDriftAndNoStep) {
   // A constant of no cause: drags brake.
   measure(

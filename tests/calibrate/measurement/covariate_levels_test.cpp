@@ -40,6 +40,26 @@ TEST(CovariateLevels, AreTheValuesWhileTheyAreFew) {
   EXPECT_EQ(find(all, "load"), nullptr);
 }
 
+TEST(CovariateLevels, RowsOfALoopHaveOneTime) {
+  // Two loops that begin at lines 5 and 90, three torques each, read at times that follow the
+  // torque.
+  MeasurementSet data;
+  for (int k = 0; k < 6; ++k) {
+    Observation row;
+    row.line = k < 3 ? 5 : 90;
+    row.condition.test_torque_Nm = k % 3;
+    row.condition.time_s = (k < 3 ? 10.0 : 110.0) + k % 3;
+    data.rows.push_back(row);
+  }
+  data.kind = Kind::kTorqueAngle;
+  EXPECT_EQ(reading_times(data), (std::vector<double>{11.0, 11.0, 11.0, 111.0, 111.0, 111.0}));
+  const auto all = covariate_levels(data);
+  ASSERT_NE(find(all, "time"), nullptr);
+  EXPECT_EQ(find(all, "time")->of, (std::vector<int>{0, 0, 0, 1, 1, 1}));
+  data.kind = Kind::kLostMotion;
+  EXPECT_EQ(reading_times(data)[2], 12.0);
+}
+
 TEST(CovariateLevels, AreBinsOfEqualCountsWhereTheyAreMany) {
   std::vector<double> rpm;
   for (int k = 0; k < 80; ++k) rpm.push_back(100.0 + 10.0 * ((k * 37) % 80));

@@ -103,6 +103,33 @@ TEST(Repeats, AreThoseOfWhatWasSetNotOfWhatDrifted) {
   EXPECT_EQ(find_repeats(data).cells, 6);
 }
 
+TEST(NoiseModel, OfReadingsInStepsTheDeviationIsThatOfTheirSquares) {
+  // Normal quantiles in random places, read in steps of 0.6 to 2 deviations about a simulation of
+  // 10 that lies anywhere in its step.
+  constexpr int kRows = 400;
+  const boost::math::normal normal;
+  for (const double step : {0.6, 1.0, 1.5, 2.0}) {
+    for (const double origin : {0.0, 0.2, 0.5}) {
+      std::vector<Observation> rows(kRows);
+      Eigen::VectorXd missed(kRows);
+      for (int k = 0; k < kRows; ++k) {
+        const double analog = 10.0 + quantile(normal, (k + 0.5) / kRows);
+        const double read = step * (std::round(analog / step - origin) + origin);
+        rows[static_cast<std::size_t>(k)].response = read;
+        missed[k] = read - 10.0;
+      }
+      MeasurementSet data = set_of(std::move(rows));
+      data.kind = Kind::kLostMotion;
+      const NoiseModel noise = make_noise_model(data);
+      EXPECT_NEAR(noise.step, step, 1e-9);
+      // The median of the rows themselves is 0 or a step.
+      const double squares = root_mean_square(missed);
+      EXPECT_NEAR(noise.deviation_of(missed), squares, 0.25 * squares) << step << " " << origin;
+      EXPECT_NEAR(noise.least_scale(), step / std::sqrt(12.0), 1e-9);
+    }
+  }
+}
+
 TEST(LackOfFit, ComparesWhatCellsMissWithHowRepeatsScatter) {
   // Two cells of three: means 2 and −1 against a simulation of 0.
   Repeats repeats;
@@ -118,6 +145,11 @@ TEST(LackOfFit, ComparesWhatCellsMissWithHowRepeatsScatter) {
   EXPECT_EQ(lack.pure_degrees, 4);
   // For 2 degrees above, P(F >= f) = (1 + 2 f/4)^(−2).
   EXPECT_NEAR(lack.p_value, std::pow(1.0 + 0.5 * lack.f, -2.0), 1e-14);
+  // A mean taken off both: 1.5²·6 less between, over one degree.
+  const LackOfFit beside_mean = lack_of_fit(repeats, y - Eigen::VectorXd::Constant(6, 0.5), 1);
+  EXPECT_DOUBLE_EQ(beside_mean.f, 13.5 / 0.625);
+  EXPECT_EQ(beside_mean.degrees, 1);
+  EXPECT_EQ(lack_of_fit(repeats, y, 2).pure_degrees, 0);
   repeats.degrees = 0;
   EXPECT_EQ(lack_of_fit(repeats, y).pure_degrees, 0);
   EXPECT_EQ(lack_of_fit(repeats, y).p_value, 1.0);

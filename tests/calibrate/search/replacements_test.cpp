@@ -115,6 +115,14 @@ TEST_F(OneSlope, ThatIsLikelierTakesThePlaceOfTheName) {
                   candidate("sensor_offset", {.name = "offset"})},
                  {0.0, 0.01});
   EXPECT_FALSE(take_likelier_name(judge, costly));
+  // An effect more has to be ahead by as much as any beside another.
+  SearchResult gain_and_zero = with_lead(-9.9, "sensor_offset", 0.01);
+  Fit& both = gain_and_zero.effects[0].replacements[0].fit;
+  both.hypothesis = costly.effects[0].replacements[0].fit.hypothesis;
+  both.sum_of_squares = 0.0;
+  EXPECT_FALSE(take_likelier_name(judge, gain_and_zero));
+  gain_and_zero.effects[0].replacements[0].statistic = -10.1;
+  EXPECT_TRUE(take_likelier_name(judge, gain_and_zero));
   // The coefficient of friction stays, whatever is a little ahead.
   SearchResult level = with_lead(-3.0, "sensor_offset", 0.01);
   level.fit.hypothesis = hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.1});

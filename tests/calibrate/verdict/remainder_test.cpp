@@ -85,6 +85,27 @@ TEST_F(Structure, OfALossBySpeedTakesAValueForEachSpeed) {
   }
 }
 
+TEST_F(Structure, AlongMoreTorquesThanRepeatsIsFoundByNeighboursTogether) {
+  // Two loops of seven torques: a level of two rows each would explain anything.
+  data_ = {};
+  data_.kind = Kind::kTorqueAngle;
+  for (int k = 0; k < 14; ++k) {
+    Observation row;
+    row.condition.test_torque_Nm = 2.0 * (k % 7);
+    row.line = k < 7 ? 1 : 500;
+    data_.rows.push_back(row);
+  }
+  const Eigen::VectorXd structure = rows([](const Condition& c) {
+    return c.test_torque_Nm < 4.0 ? -30.0 : c.test_torque_Nm > 8.0 ? -20.0 : 25.0;
+  });
+  const RemainderSearch found = search(structure, 1);
+  EXPECT_EQ(found.best.along, "test torque");
+  ASSERT_FALSE(found.tests.empty());
+  EXPECT_EQ(found.tests.front().name, "test torque");
+  EXPECT_EQ(found.tests.front().degrees, 3);  // four groups, less what all share
+  EXPECT_LT(found.tests.front().p_value, kRate);
+}
+
 TEST_F(Structure, OfALossInOneCornerTakesOneValue) {
   const Eigen::VectorXd structure = rows([&](const Condition& c) {
     const bool here = level("speed", c, &Condition::sun_speed_rad_s) == 3 &&
