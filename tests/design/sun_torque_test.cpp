@@ -145,6 +145,11 @@ struct Moments {
                        .forward = forward(),
                        .ring2_torque_Nm = std::abs(torque[kMeshP2R2]),
                        .own_torque_Nm = own[k] * std::abs(torque[k])});
+      // A law may have no value without load, where nothing rubs and the moments are none.
+      if (!mu) {
+        EXPECT_EQ(torque[k], 0.0);
+        continue;
+      }
       const double of_mesh = mesh_factor(s.friction.extension, k != kMeshSP1, gear1_drives(k));
       const double eta = efficiency::mesh_efficiency(
           efficiency::contact_of(gear1, gear2, mesh, gear1_drives(k)),
