@@ -4,6 +4,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
@@ -35,6 +36,12 @@ double hypergeometric_probability(int all, int marked, int drawn, int hit) {
   };
   return std::exp(log_choices(marked, hit) + log_choices(all - marked, drawn - hit) -
                   log_choices(all, drawn));
+}
+
+double binomial_upper_tail(int trials, double p, int count) {
+  if (count <= 0) return 1.0;
+  if (count > trials) return 0.0;
+  return boost::math::ibeta(static_cast<double>(count), trials - count + 1.0, p);
 }
 
 ProportionBounds binomial_bounds(double trials, double count, double tail) {

@@ -37,6 +37,11 @@ double gamma_upper(double a, double x);
 /// @returns 0 where so many cannot be
 double hypergeometric_probability(int all, int marked, int drawn, int hit);
 
+/// P(X >= count) of the binomial distribution
+/// @param trials, count  0 or more
+/// @param p  of each trial, in (0, 1)
+double binomial_upper_tail(int trials, double p, int count);
+
 /// Clopper-Pearson bounds of a proportion.
 struct ProportionBounds {
   double lower, upper;

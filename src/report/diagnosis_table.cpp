@@ -8,6 +8,7 @@
 
 #include "calibrate/measurement/blank_conditions.hpp"
 #include "calibrate/measurement/left_out_rows.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 #include "io/text/printable.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
@@ -320,7 +321,7 @@ std::string verdict_text(const Diagnosis& d, const MeasurementSet& set) {
         return "Verdict: no discrepancy beyond what the sessions differ by. Within a session the "
                "simulation agrees with these data within their noise.\n";
       }
-      if (const auto factor = scatter_over_stated(d); factor && *factor > 1.0) {
+      if (const auto factor = scatter_over_stated(d); factor && *factor > calibrate::kAsStated) {
         return "Verdict: no discrepancy beyond how the rows scatter: along nothing that the data "
                "state is the simulation off. The stated sigma is too small, or rows differ in what "
                "the file does not say.\n";

@@ -26,5 +26,13 @@ TEST(Hypergeometric, AddsUpToOneForManyRows) {
   EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
+TEST(BinomialUpperTail, CountsOutcomes) {
+  // 4 + 1 of the 16 of four coins.
+  EXPECT_NEAR(binomial_upper_tail(4, 0.5, 3), 5.0 / 16.0, 1e-15);
+  EXPECT_NEAR(binomial_upper_tail(2, 0.15, 2), 0.0225, 1e-15);
+  EXPECT_EQ(binomial_upper_tail(4, 0.5, 0), 1.0);
+  EXPECT_EQ(binomial_upper_tail(4, 0.5, 5), 0.0);
+}
+
 }  // namespace
 }  // namespace gear3k::numerics::distributions_test

@@ -75,8 +75,9 @@ std::ptrdiff_t rows_of(const MeasurementSet& data, int run) {
 bool has_rows(const MeasurementSet& data, const FormConstant& place) {
   std::ptrdiff_t before = 0, after = 0;
   for (const Observation& row : data.rows) {
-    const double at = place.name == kFirstRun ? row.condition.run : row.condition.time_s;
-    if (!std::isfinite(at) || at < 0.0) continue;
+    const bool by_run = place.name == kFirstRun;
+    const double at = by_run ? row.condition.run : row.condition.time_s;
+    if (!std::isfinite(at) || (by_run && row.condition.run < 0)) continue;
     ++(at >= place.value ? after : before);
   }
   return std::min(before, after) >= kFewestRows;
@@ -84,10 +85,11 @@ bool has_rows(const MeasurementSet& data, const FormConstant& place) {
 
 /// Whether every session has more than one row: a value of its own would only leave that one out.
 bool have_rows_each(const MeasurementSet& data) {
-  for (int run = 0; run < static_cast<int>(data.runs.size()); ++run) {
-    if (rows_of(data, run) < 2) return false;
+  std::vector<int> rows(data.runs.size(), 0);
+  for (const Observation& row : data.rows) {
+    if (row.condition.run >= 0) ++rows[static_cast<std::size_t>(row.condition.run)];
   }
-  return true;
+  return std::ranges::all_of(rows, [](int count) { return count >= 2; });
 }
 
 /// From one run (or instant) on, of more sessions than have a value each from one of 31; or up to

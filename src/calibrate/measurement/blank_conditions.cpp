@@ -39,9 +39,15 @@ bool states(const Observation& row, const ConditionQuantity& quantity) {
   return &quantity == &kModule ? value > 0.0 : std::isfinite(value);
 }
 
-LackingRows rows_without(const MeasurementSet& set, const OptionalCondition& condition) {
+/// By file, whether its rows were read from a record: those state no condition that is blank.
+std::vector<char> files_of_records(const MeasurementSet& set) {
   std::vector<char> of_record(set.files.size(), 0);
   for (const LoopSession& loop : set.loops) of_record[static_cast<std::size_t>(loop.file)] = 1;
+  return of_record;
+}
+
+LackingRows rows_without(const MeasurementSet& set, const OptionalCondition& condition) {
+  const std::vector<char> of_record = files_of_records(set);
   LackingRows lacking{.condition = &condition, .marked = std::vector<char>(set.rows.size(), 0)};
   bool some_state = false;
   for (std::size_t k = 0; k < set.rows.size(); ++k) {
@@ -56,11 +62,13 @@ LackingRows rows_without(const MeasurementSet& set, const OptionalCondition& con
   return some_state ? lacking : LackingRows{.condition = &condition, .marked = {}};
 }
 
-std::string note_on_unused(const MeasurementSet& set, const LackingRows& lacking) {
+/// @param rows  that could state it
+std::string note_on_unused(const MeasurementSet& set, const LackingRows& lacking,
+                           std::ptrdiff_t rows) {
   const std::string_view column = lacking.condition->quantity->column;
   const std::string blank =
       fmt::format("{}: {} is blank in {} of {} rows, more than a fifth",
-                  places_of(set, lacking.marked), column, lacking.count, set.rows.size());
+                  places_of(set, lacking.marked), column, lacking.count, rows);
   if (lacking.condition->quantity == &kModule) {
     return blank + ": these rows count as of 1 mm, as where the column is not stated";
   }
@@ -79,7 +87,11 @@ void settle_blank_conditions(MeasurementSet& set) {
     if (lacking.count > 0) all.push_back(std::move(lacking));
   }
   std::ranges::stable_sort(all, {}, &LackingRows::count);
-  const double most = kMostBlank * static_cast<double>(set.rows.size());
+  const std::vector<char> of_record = files_of_records(set);
+  const auto rows = std::ranges::count_if(set.rows, [&](const Observation& row) {
+    return of_record[static_cast<std::size_t>(row.file)] == 0;
+  });
+  const double most = kMostBlank * static_cast<double>(rows);
   std::vector<char> left_out(set.rows.size(), 0);
   for (const LackingRows& lacking : all) {
     std::vector<char> both = left_out;
@@ -94,7 +106,7 @@ void settle_blank_conditions(MeasurementSet& set) {
           "{}: {} left out, {} is blank and other rows state it", places_of(set, lacking.marked),
           lacking.count == 1 ? "1 row" : fmt::format("{} rows", lacking.count), quantity.column));
     } else if (range_of(set, quantity.member).varies()) {
-      set.notes.push_back(note_on_unused(set, lacking));
+      set.notes.push_back(note_on_unused(set, lacking, rows));
       set.unused.push_back(quantity.member);
     }
   }

@@ -66,9 +66,9 @@ struct MarkedTogether {
   std::string group;  ///< in words
 };
 
-/// The group of one session, direction, load or speed, or of one in one direction, into which the
-/// marked rows fall as random places seldom do (5 %, each group paid for), a third of its rows at
-/// least; empty where none is.
+/// The group of one session, direction, load, speed or twelfth of a turn, or of one in one
+/// direction, into which the marked rows fall as random places seldom do (5 %, each group paid
+/// for), a third of its rows at least; empty where none is.
 std::optional<MarkedTogether> marked_together(const MeasurementSet& set,
                                               const std::vector<char>& marked) {
   constexpr double kChance = 0.05;
@@ -81,7 +81,7 @@ std::optional<MarkedTogether> marked_together(const MeasurementSet& set,
   const auto all = static_cast<int>(std::ranges::count(marked, 1));
   double best = 1.0;
   int looked_at = 0;
-  Eigen::Index at = 0;
+  std::optional<Eigen::Index> at;
   for (Eigen::Index g = 0; g < groups.columns.cols(); ++g) {
     // The same rows in another sense are no group of their own.
     if ((groups.columns.col(g).array() < 0.0).any()) continue;
@@ -103,11 +103,11 @@ std::optional<MarkedTogether> marked_together(const MeasurementSet& set,
       at = g;
     }
   }
-  if (best * looked_at > kChance) return std::nullopt;
+  if (!at || best * looked_at > kChance) return std::nullopt;
   MarkedTogether result{.marked = std::vector<char>(marked.size(), 0),
-                        .group = level_text(set, groups.group[static_cast<std::size_t>(at)])};
+                        .group = level_text(set, groups.group[static_cast<std::size_t>(*at)])};
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    if (marked[i] == 0 || groups.columns(static_cast<Eigen::Index>(i), at) == 0.0) continue;
+    if (marked[i] == 0 || groups.columns(static_cast<Eigen::Index>(i), *at) == 0.0) continue;
     result.marked[i] = 1;
     ++result.count;
   }

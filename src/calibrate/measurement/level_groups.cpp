@@ -83,38 +83,49 @@ LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& 
     const bool of_sessions = given.name == "run";
     if (of_sessions && !sessions) continue;
     const Levels l = of_sessions && given.binned ? each_session(data) : given;
+    constexpr double kMostEntries = 2e7;
+    const auto senses_and_directions = static_cast<double>(senses.size() + 2);
+    if (senses_and_directions * l.count * static_cast<double>(losing.size()) > kMostEntries) {
+      continue;
+    }
     const Eigen::MatrixXd inside = indicators(l);
     for (int k = 0; k < l.count; ++k) {
-      add({.levels = l, .level = k}, inside.col(k));
+      const auto level = static_cast<std::size_t>(k);
+      LevelGroup group{.along = l.name,
+                       .level = k,
+                       .at = level < l.at.size() ? l.at[level] : kUnknown,
+                       .binned = l.binned};
+      add(group, inside.col(k));
       if (!varies(losing) || l.name == "direction") continue;
       for (const int direction : {1, -1}) {
         const Eigen::VectorXd one =
             (losing.array() == static_cast<double>(direction)).cast<double>();
-        add({.levels = l, .level = k, .direction = direction}, inside.col(k).cwiseProduct(one));
+        group.direction = direction;
+        add(group, inside.col(k).cwiseProduct(one));
       }
     }
   }
   result.columns.resize(losing.size(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
     result.columns.col(static_cast<Eigen::Index>(k)) = columns[k];
+    columns[k].resize(0);
   }
   return result;
 }
 
 std::string level_text(const MeasurementSet& data, const LevelGroup& group) {
-  const Levels& l = group.levels;
   const auto k = static_cast<std::size_t>(group.level);
   const std::string_view way = group.direction > 0   ? ", forward"
                                : group.direction < 0 ? ", backward"
                                                      : "";
-  if (l.name == "run" && k < data.runs.size()) {
+  if (group.along == "run" && k < data.runs.size()) {
     return fmt::format("session {}{}", data.runs[k], way);
   }
-  if (l.name == "direction") {
-    return fmt::format("direction {}", k < l.at.size() && l.at[k] > 0.0 ? "forward" : "backward");
+  if (group.along == "direction") {
+    return fmt::format("direction {}", group.at > 0.0 ? "forward" : "backward");
   }
-  if (k >= l.at.size()) return fmt::format("one {}{}", l.name, way);
-  return fmt::format("{} {}{:.4g}{}", l.name, l.binned ? "about " : "", l.at[k], way);
+  if (!std::isfinite(group.at)) return fmt::format("one {}{}", group.along, way);
+  return fmt::format("{} {}{:.4g}{}", group.along, group.binned ? "about " : "", group.at, way);
 }
 
 }  // namespace gear3k::calibrate

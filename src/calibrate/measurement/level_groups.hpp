@@ -11,8 +11,10 @@ namespace gear3k::calibrate {
 
 /// A level, or a level in one direction.
 struct LevelGroup {
-  Levels levels;
+  std::string along;  ///< name of the covariate
   int level = 0;
+  double at = kUnknown;  ///< mean value of the level, in the column's unit
+  bool binned = false;
   int direction = 0;  ///< ±1, 0: both
 };
 
@@ -24,7 +26,8 @@ struct LevelGroups {
 
 /// Each level of each covariate, sessions one by one, and each twelfth of a turn of the output,
 /// both ways and in each direction, with the senses in which its rows may be off: of the reading,
-/// of what is lost, and of a sensor, which turn with the direction, the rotation or both.
+/// of what is lost, and of a sensor, which turn with the direction, the rotation or both.  Not of a
+/// covariate whose groups would take more than 20 million entries (2000 sessions of 10,000 rows).
 /// @param sessions  whether sessions are among them
 LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& levels,
                          bool sessions = true);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <vector>
+
+#include "calibrate/measurement/noise.hpp"
 
 namespace gear3k::calibrate {
 namespace {
@@ -14,6 +17,28 @@ bool are_multiples(const std::vector<double>& values, double origin, double step
     const double count = (v - origin) / step;
     return std::abs(count - std::round(count)) < kOff;
   });
+}
+
+/// Whether the sensor makes the steps, and not the conditions that were set: rows of one condition
+/// lie a step apart, or none was repeated and there are more values than a test plan has levels.
+bool are_of_the_sensor(const MeasurementSet& data, double step, std::size_t distinct) {
+  constexpr int kFewestRepeats = 8;
+  constexpr int kFewestApart = 3;
+  constexpr std::size_t kFewestValues = 8;
+  const Repeats repeats = find_repeats(data);
+  if (repeats.degrees < kFewestRepeats) return distinct >= kFewestValues;
+  std::vector<std::set<long long>> read(static_cast<std::size_t>(repeats.cells));
+  const auto count = [&](std::size_t i) {
+    return std::llround((data.rows[i].response - data.rows.front().response) / step);
+  };
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    read[static_cast<std::size_t>(repeats.cell[i])].insert(count(i));
+  }
+  int apart = 0;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    if (read[static_cast<std::size_t>(repeats.cell[i])].contains(count(i) - 1)) ++apart;
+  }
+  return apart >= kFewestApart;
 }
 
 }  // namespace
@@ -50,7 +75,7 @@ std::optional<ReadingSteps> reading_steps(const MeasurementSet& data) {
       const double count = std::round((v - values.front()) / step);
       if (count > 0.0) step = (v - values.front()) / count;
     }
-    if (are_multiples(values, values.front(), step)) {
+    if (are_multiples(values, values.front(), step) && are_of_the_sensor(data, step, distinct)) {
       return ReadingSteps{.origin = values.front(), .step = step};
     }
   }

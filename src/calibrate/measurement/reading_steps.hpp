@@ -14,7 +14,8 @@ struct ReadingSteps {
 
 /// The step of the responses, whatever its size; unlike resolution_of() no power of ten.
 /// @returns nothing where the responses take no equal steps, or nearly as many values as there are
-///          rows
+///          rows, or where those are steps of what was set: repeats agree, or without repeats there
+///          are fewer than eight values
 std::optional<ReadingSteps> reading_steps(const MeasurementSet& data);
 
 }  // namespace gear3k::calibrate

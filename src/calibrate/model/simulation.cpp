@@ -86,7 +86,9 @@ Scalar more_output_torque(const Condition& c, const Modification& m) {
   const double sign = c.rotation * (c.direction == design::Direction::kForward ? 1.0 : -1.0);
   Scalar more(-1.0 * (m.output_sensor.magnitude + sign * m.output_sensor.own_sign));
   // Below no load the other side would drive: such a row was not measured so.
-  if (c.output_torque_Nm >= 0.0) more.a = std::max(more.a, -c.output_torque_Nm);
+  if (c.output_torque_Nm >= 0.0 && more.a < -c.output_torque_Nm) {
+    return Scalar(-c.output_torque_Nm);
+  }
   return more;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "calibrate/causes/friction_change.hpp"
@@ -87,15 +88,24 @@ std::vector<Replacement> elsewhere(const Judge& judge, const SearchResult& resul
 
 /// What is missed is missed in readings: the zero of the sensor that gave them is named before that
 /// of another one, where it explains as well.
-void prefer_reading(const Judge& judge, std::size_t effect, Fit& found) {
-  const Candidate own = found.hypothesis.effects[effect];
+void prefer_reading(const Judge& judge, SearchResult& result, std::size_t effect) {
+  const Candidate own = result.fit.hypothesis.effects[effect];
   if (own.cause->place != Place::kMeasurement || place_of(own) != Place::kGearbox) return;
+  std::optional<Fit> best;
+  double least = kAsWell;
   for (const Candidate& c : judge.candidates()) {
     if (!(c.form.weight > 0.0) || !is_elsewhere(c, own) || place_of(c) == Place::kGearbox) continue;
-    Fit trial = fit(judge.problem(), start_with(found.hypothesis, effect, c), judge.scale());
-    if (judge.difference(trial, found) > kAsWell) continue;
-    found = std::move(trial);
-    return;
+    Fit trial = fit(judge.problem(), start_with(result.fit.hypothesis, effect, c), judge.scale());
+    const double statistic = judge.difference(trial, result.fit);
+    if (statistic > least) continue;
+    least = statistic;
+    best = std::move(trial);
+  }
+  if (!best) return;
+  result.fit = std::move(*best);
+  for (Replacement& r : result.effects[effect].replacements) r.statistic -= least;
+  for (std::size_t other = 0; other < result.effects.size(); ++other) {
+    if (other != effect) refit_beside(judge, result, other, result.effects[other].replacements);
   }
 }
 
@@ -106,7 +116,7 @@ void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
   prefer_parameters(judge, result);
   const std::vector<Candidate> searched = result.fit.hypothesis.effects;
   take_unsearched_forms(judge, all, result);
-  for (std::size_t e = 0; e < result.effects.size(); ++e) prefer_reading(judge, e, result.fit);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) prefer_reading(judge, result, e);
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
     weigh_effect(judge, result, e, searched[e], result.effects[e]);
     result.effects[e].other_bodies = elsewhere(judge, result, e);

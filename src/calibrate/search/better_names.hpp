@@ -29,9 +29,10 @@ inline constexpr double kLikelier = 2.2;
 /// @returns whether one was taken: all effects are to be judged anew
 bool take_likelier_name(const Judge& judge, SearchResult& result);
 
-/// Takes both and looks for other bodies that show each cause as well; p-values and BIC become
-/// those of the names that stay, and of a form that is not searched for the p-value is that of the
-/// form which was.
+/// Takes those that are preferred, forms that are not searched for and the zero of the sensor that
+/// was read before another one's, and looks for other bodies that show each cause as well; p-values
+/// and BIC become those of the names that stay, and of a form that is not searched for the p-value
+/// is that of the form which was.
 void take_better_names(const Judge& judge, const std::vector<Candidate>& all, SearchResult& result);
 
 }  // namespace gear3k::calibrate

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "calibrate/fit/fit.hpp"
 #include "calibrate/measurement/noise.hpp"
@@ -11,16 +10,6 @@
 namespace gear3k::calibrate {
 
 namespace {
-
-/// P(Bin(n, 1/2) ≥ k)
-double coin_tail(int n, int k) {
-  double sum = 0.0;
-  for (int j = k; j <= n; ++j) {
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(j + 1.0) - std::lgamma(n - j + 1.0) -
-                    n * std::numbers::ln2);
-  }
-  return sum;
-}
 
 /// The rows of a group in its sense.
 struct Sense {
@@ -74,9 +63,14 @@ double chance_alike(int rows, int off, const Sense& sense) {
 }  // namespace
 
 double chance_together(int rows, int off, int size, int hit) {
+  // Beyond the mean the terms of places fall ever faster.
+  constexpr double kNothing = 1e-17;
+  const double mean = static_cast<double>(size) * off / rows;
   double sum = 0.0;
   for (int j = hit; j <= std::min(off, size); ++j) {
-    sum += numerics::hypergeometric_probability(rows, size, off, j) * coin_tail(j, hit);
+    const double places = numerics::hypergeometric_probability(rows, size, off, j);
+    if (j > mean && places <= kNothing * sum) break;
+    sum += places * numerics::binomial_upper_tail(j, 0.5, hit);
   }
   return std::min(1.0, 2.0 * sum);
 }

@@ -570,7 +570,9 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   const std::optional<std::string> minor = settle(contest, problem.noise, left_over, left.before,
                                                   remainder_rate, !standing.found.empty());
   if (minor) d.notes.push_back(*minor);
-  const auto off = static_cast<std::size_t>(std::ranges::count_if(d.rows, &RowResult::outlier));
+  // Those that were left out are none of these rows.
+  const auto off = static_cast<std::size_t>(std::ranges::count_if(d.rows, &RowResult::outlier)) -
+                   rows.wild.size();
   if (const double chance = chance_of_outliers(off, data.rows.size());
       !contest.structure && standing.found.empty() && chance <= remainder_rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};

@@ -3,17 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
-
-namespace {
-
-/// Nobody knows a standard deviation better than to a quarter.
-constexpr double kAsStated = 1.25;
-
-}  // namespace
 
 NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit,
                        bool stated_holds) {
@@ -46,17 +40,28 @@ bool stated_level_holds(const NoiseModel& noise, const LeftOver& left, bool stru
   return structure || chance_of_scatter(noise, left.whitened, degrees) > kChance;
 }
 
+namespace {
+
+constexpr std::string_view kScatterMore = "the rows scatter by ";
+constexpr std::string_view kStatedMore = "the stated sigma is ";
+
+}  // namespace
+
+bool tells_of_stated_level(const std::string& note) {
+  return note.starts_with(kScatterMore) || note.starts_with(kStatedMore);
+}
+
 std::string note_on_stated_level(double factor) {
   return factor > 1.0
              ? fmt::format(
-                   "the rows scatter by {:.3g} times the stated sigma: it weighs them against each "
+                   "{}{:.3g} times the stated sigma: it weighs them against each "
                    "other, and the noise is that of the rows; the sigma is too small, or rows "
                    "differ in what the file does not say",
-                   factor)
+                   kScatterMore, factor)
              : fmt::format(
-                   "the stated sigma is {:.3g} times what the rows scatter by: it weighs them "
+                   "{}{:.3g} times what the rows scatter by: it weighs them "
                    "against each other, and the noise is that of the rows",
-                   1.0 / factor);
+                   kStatedMore, 1.0 / factor);
 }
 
 double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitened, int degrees) {

@@ -42,6 +42,10 @@ bool stated_level_holds(const NoiseModel& noise, const LeftOver& left, bool stru
 /// "the rows scatter by 2.1 times the stated sigma ...": what is said where it does not hold.
 /// @param factor  scatter of the rows over what is stated
 std::string note_on_stated_level(double factor);
+bool tells_of_stated_level(const std::string& note);
+
+/// Nobody knows a standard deviation better than to a quarter.
+inline constexpr double kAsStated = 1.25;
 
 /// Whether rows scatter by more than they state, outliers aside, whatever the structure: the
 /// chi-squared probability of their winsorised squares.

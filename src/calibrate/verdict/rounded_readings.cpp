@@ -10,6 +10,7 @@
 #include "calibrate/measurement/noise.hpp"
 #include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 
 namespace gear3k::calibrate {
 namespace {
@@ -63,6 +64,17 @@ void tell_of_readings(Diagnosis& d, const MeasurementSet& data, double step) {
   e.baseline_train = rms(off);
   e.extended_train = rms(off_extended);
   e.noise_floor = std::hypot(e.noise_floor, step / std::sqrt(12.0));
+  // What was said of a stated sigma is that of the readings, rounding included, too.
+  if (std::isfinite(d.stated_noise) && d.noise_source != NoiseSource::kStated) {
+    std::erase_if(d.notes, tells_of_stated_level);
+    const double factor = e.noise_floor / d.stated_noise;
+    if (factor <= kAsStated && factor >= 1.0 / kAsStated) {
+      d.noise_source = NoiseSource::kStated;
+      e.noise_floor = d.stated_noise;
+    } else {
+      d.notes.push_back(note_on_stated_level(factor));
+    }
+  }
   if (!std::isfinite(e.extended_holdout)) return;
   e.baseline_holdout = e.baseline_train;
   e.extended_holdout = rms(off_held);

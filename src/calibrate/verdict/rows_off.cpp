@@ -10,6 +10,7 @@
 
 #include "calibrate/measurement/level_groups.hpp"
 #include "calibrate/search/rows_together.hpp"
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -36,7 +37,7 @@ std::optional<std::string> take_level_off(const Problem& problem, const Columns&
   const auto found = rows_together(raw, bound / kWinsor, groups.columns);
   if (!found || found->p_value > kOfRate * rate) return std::nullopt;
   const LevelGroup& group = groups.group[static_cast<std::size_t>(found->group)];
-  EmpiricalTerm term{.along = group.levels.name, .columns = groups.columns.col(found->group)};
+  EmpiricalTerm term{.along = group.along, .columns = groups.columns.col(found->group)};
   problem.noise.whiten(term.columns);
   const Screen screen(columns.own, term.columns, {{.first = 0, .count = 1}}, 0.0);
   const Gain gain = screen.gains(columns.residual).front();
@@ -52,13 +53,7 @@ std::optional<std::string> take_level_off(const Problem& problem, const Columns&
 
 double chance_of_outliers(std::size_t outliers, std::size_t rows) {
   constexpr double kMost = 0.15;
-  const auto n = static_cast<double>(rows);
-  double sum = 0.0;
-  for (auto k = static_cast<double>(outliers); k <= n; ++k) {
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) +
-                    k * std::log(kMost) + (n - k) * std::log1p(-kMost));
-  }
-  return std::min(1.0, sum);
+  return numerics::binomial_upper_tail(static_cast<int>(rows), kMost, static_cast<int>(outliers));
 }
 
 }  // namespace gear3k::calibrate

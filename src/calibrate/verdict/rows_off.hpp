@@ -21,7 +21,7 @@ std::optional<std::string> take_level_off(const Problem& problem, const Columns&
                                           RemainderSearch& search);
 
 /// P that outliers are as many: each row is one with the probability 0.15, more than any sensor's
-/// that is used.  1 where they are no more than that.
+/// that is used.
 double chance_of_outliers(std::size_t outliers, std::size_t rows);
 
 }  // namespace gear3k::calibrate

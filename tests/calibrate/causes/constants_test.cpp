@@ -151,6 +151,24 @@ TEST_F(Constants, ADragThatPushesIsNoDriftAndNoStep) {
   }
 }
 
+TEST_F(Constants, AnInstantIsAStepFromWhateverTimeIsCounted) {
+  for (const double start_s : {0.0, -6000.0}) {
+    measure(
+        [](const Row& r) {
+          return catalogue_torque(r.forward, r.stated_Nm) * (r.time_share > 0.6 ? 1.05 : 1.0);
+        },
+        true);
+    data_.runs.clear();
+    for (Observation& row : data_.rows) {
+      row.condition.run = -1;
+      row.condition.time_s += start_s;
+    }
+    const SearchResult result = found();
+    ASSERT_EQ(result.effects.size(), 1U) << start_s;
+    EXPECT_EQ(result.fit.hypothesis.effects[0].cause->id, "run_step") << start_s;
+  }
+}
+
 TEST_F(Constants, AZeroThatCreepsIsStillADrift) {
   measure(
       [](const Row& r) {

@@ -65,6 +65,25 @@ TEST(ImpossibleRows, RowsOfEfficiencyAboveOneAreLeftOutWithTheirCovariatesAndNam
             "data.csv: lines 13, 24: rows left out, efficiency above 1 beyond the noise");
 }
 
+TEST(ImpossibleRows, AreLeftOutWhereNothingTellsRowsApart) {
+  // Of one operating point, and of as many loads as rows, no group of rows can be off.
+  for (const double apart_Nm : {0.0, 4.0}) {
+    MeasurementSet set;
+    set.files = {"data.csv"};
+    for (int k = 0; k < 12; ++k) {
+      Observation o;
+      o.condition.direction = Direction::kForward;
+      o.condition.sun_speed_rad_s = 20.0;
+      o.condition.output_torque_Nm = 10.0 + apart_Nm * k;
+      o.response = o.condition.output_torque_Nm / kRatio / (k == 5 ? 1.1 : 0.88);
+      o.line = k + 3;
+      set.rows.push_back(o);
+    }
+    EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+    EXPECT_EQ(set.rows.size(), 11U) << apart_Nm;
+  }
+}
+
 TEST(ImpossibleRows, WithinOnePercentNothingIsSaid) {
   MeasurementSet set = campaign(0.0, 1);
   set.rows[10].response = 0.995 * set.rows[10].condition.output_torque_Nm / kRatio;
