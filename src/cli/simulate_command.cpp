@@ -64,15 +64,15 @@ ExitCode run_simulate(const SimulateOptions& options) {
     say(fmt::format("{}: {}\n", options.scenario, error.what()));
     return kSolverFailure;
   }
-  const io::Json json = report::motion_json(result);
-  const std::string csv = report::motion_csv(result);
   Figures figures;
+  if (folder) figures = draw({report::motion_plot(result)});
+  const std::string json = with_missing_figures(report::motion_json(result), figures);
+  const std::string csv = report::motion_csv(result);
   std::vector<std::string> written;
   if (folder) {
-    figures = draw({report::motion_plot(result)});
     written = folder->write({{.path = "motion.csv", .text = csv},
                              {.path = "events.csv", .text = report::motion_events_csv(result)},
-                             {.path = "ledger.json", .text = json.text()}},
+                             {.path = "ledger.json", .text = json}},
                             figures);
   }
   if (!options.quiet && options.format != Format::kTable) {
@@ -82,7 +82,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   }
   switch (options.format) {
     case Format::kJson:
-      print_result(with_missing_figures(json, figures));
+      print_result(json);
       break;
     case Format::kCsv:
       print_result(csv);

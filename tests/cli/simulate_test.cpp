@@ -9,13 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k::simulate_cli_test {
 namespace {
 
 using nlohmann::json;
-using test::example, test::lines_of, test::ProgramResult, test::replaced, test::Workplace;
+using test::example, test::lines_of, test::OtherPath, test::ProgramResult, test::replaced;
+using test::Workplace;
 
 const std::string kSwinging =
     "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\nrotor_inertia_kgm2 = 2e-5\n"
@@ -45,6 +47,23 @@ TEST(Simulate, WritesMotionEventsLedgerAndFigure) {
   EXPECT_GT(lines_of(place.read("out/motion.csv")).size(), 1000U);
   EXPECT_FALSE(data.contains("missing_figures"));  // ./run and ./check install gnuplot
   EXPECT_NE(place.read("out/motion.svg").find("backward flow"), std::string::npos);
+}
+
+TEST(Simulate, WithoutGnuplotTellsInBothWhatIsMissing) {
+  const Workplace place;
+  place.write("a.toml", kSwinging);
+  place.write("s.toml", "duration_s = 0.1\n[control]\nmode = \"voltage\"\nvoltage_v = 24.0\n");
+  ProgramResult result;
+  {
+    const OtherPath path("");
+    result = place.run({"simulate", "a.toml", "s.toml", "--out", "out", "--format", "json"});
+  }
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(place.read("out/ledger.json"), result.out);
+  const json missing = json::parse(result.out).at("missing_figures");
+  ASSERT_EQ(missing.size(), 1U);
+  EXPECT_EQ(missing.at(0).at("file"), "motion.svg");
+  EXPECT_FALSE(place.has("out/motion.svg"));
 }
 
 // 24 V on a shorted-rotor current of 24/0.6 = 40 A at the first instant; the motor's speed at the
