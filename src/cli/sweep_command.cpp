@@ -148,6 +148,7 @@ ExitCode run_sweep(const SweepOptions& options) {
                  .run = 0,
                  .uid = new_uid(),
                  .workers = options.workers > 0 ? options.workers : 1,
+                 .threads = options.threads > 0 ? options.threads : 1,
                  .most_s = options.most_s,
                  .quiet = options.quiet};
   sweep::Planned planned;

@@ -49,7 +49,10 @@ void add_run_options(CLI::App& sweep, SweepOptions& options) {
   sweep.add_option("SWEEP", options.file, "SWEEP.toml: a task, and what of it is varied");
   sweep.add_option("--out", options.out, "database for the results, made when missing")
       ->option_text("DB");
-  sweep.add_option("--workers", options.workers, "processes that work on tasks, one thread each")
+  sweep.add_option("--workers", options.workers, "processes that work on tasks")
+      ->check(within(1, 1024))
+      ->option_text("N [1]");
+  sweep.add_option("--threads", options.threads, "OpenMP threads of each worker, 1 to 1024")
       ->check(within(1, 1024))
       ->option_text("N [1]");
   sweep

@@ -69,8 +69,8 @@ bool has_its_files(const sweep::Claimed& claimed) {
 
 /// Takes tasks and records what became of them until none is left or it is to stop.
 void work(const SweepWork& sweep) {
-  // One thread for each task: what a result is does not depend on how many workers there are.
-  omp_set_num_threads(1);
+  // Not as many as there are processors, which the workers share.
+  omp_set_num_threads(sweep.threads);
   Store store = open_store(sweep.database);
   const Process self = sweep::this_process();
   while (!sweep_stop) {

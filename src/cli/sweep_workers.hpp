@@ -12,6 +12,7 @@ struct SweepWork {
   std::int64_t run = 0;  ///< in the database
   std::string uid;       ///< of the run
   int workers = 1;
+  int threads = 1;               ///< of OpenMP, in each worker
   std::optional<double> most_s;  ///< ends after so long
   bool quiet = false;
 };

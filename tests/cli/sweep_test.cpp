@@ -143,6 +143,28 @@ TEST(Sweep, ShardsMergedAreTheWhole) {
   }
 }
 
+TEST(Sweep, EachWorkerHasTheThreadsAskedForAndFindsTheSame) {
+  const Workplace place;
+  place.write("sweep.toml", many_tasks());
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "one"}).exit_code, 0);
+  RunningProgram program =
+      place.start({"sweep", "sweep.toml", "--out", "three", "--threads", "3", "--quiet"});
+  std::ptrdiff_t most = 0;
+  std::optional<ProgramResult> end;
+  while (!(end = program.wait(milliseconds(2)))) {
+    for (const pid_t worker : children_of(program.number())) {
+      std::error_code gone;
+      const std::filesystem::directory_iterator threads("/proc/" + std::to_string(worker) + "/task",
+                                                        gone);
+      if (!gone)
+        most = std::max(most, std::distance(begin(threads), std::filesystem::end(threads)));
+    }
+  }
+  EXPECT_EQ(end->exit_code, 0) << end->err;
+  EXPECT_EQ(most, 3);
+  EXPECT_EQ(content_of(place, "three"), content_of(place, "one"));
+}
+
 TEST(Sweep, KilledWorkersLoseNothingAndRecordNothingTwice) {
   const Workplace place;
   place.write("sweep.toml", many_tasks());
