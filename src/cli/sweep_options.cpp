@@ -46,7 +46,8 @@ void add_run(CLI::App& command, SweepQuestion& question) {
 }
 
 void add_run_options(CLI::App& sweep, SweepOptions& options) {
-  sweep.add_option("SWEEP", options.file, "SWEEP.toml: a task, and what of it is varied");
+  sweep.add_option("SWEEP", options.file,
+                   "SWEEP.toml: a task, and what of it is varied; its keys: gear3k keys");
   sweep.add_option("--out", options.out, "database for the results, made when missing")
       ->option_text("DB");
   sweep.add_option("--workers", options.workers, "processes that work on tasks")
@@ -75,7 +76,7 @@ void add_run_options(CLI::App& sweep, SweepOptions& options) {
       ->option_text("i/n");
   sweep.add_flag("--yes", options.yes, "do more than 100000 tasks");
   add_output_options(sweep, options);
-  sweep.footer(keys_of("SWEEP.toml"));
+  sweep.footer("");
 }
 
 void add_best(CLI::App& sweep, SweepQuestion& question, std::function<ExitCode()>& run) {
