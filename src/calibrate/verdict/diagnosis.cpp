@@ -91,27 +91,6 @@ std::vector<Effect> effects_of(const Problem& problem, const FinalFit& final,
   return effects;
 }
 
-/// Evidence of each cause by itself in its best form, the greatest first.
-std::vector<CauseEvidence> first_evidence(const SearchResult& found) {
-  const double ln_rows = std::log(static_cast<double>(found.rows));
-  std::vector<CauseEvidence> result;
-  for (std::size_t k = 0; k < found.candidates.size(); ++k) {
-    const Gain& gain = found.first_gains[k];
-    const auto parameters = static_cast<double>(found.candidates[k].parameters.size());
-    const CauseEvidence evidence{.id = std::string(found.candidates[k].cause->id),
-                                 .delta_bic = gain.likelihood_ratio - parameters * ln_rows,
-                                 .evidence = gain.evidence};
-    const auto at = std::ranges::find(result, evidence.id, &CauseEvidence::id);
-    if (at == result.end()) {
-      result.push_back(evidence);
-    } else if (evidence.evidence > at->evidence) {
-      *at = evidence;
-    }
-  }
-  std::ranges::stable_sort(result, std::greater<>(), &CauseEvidence::evidence);
-  return result;
-}
-
 /// Whether a parameter of an effect has a value that no gearbox shows.
 bool is_implausible(const Effect& effect) {
   return std::ranges::any_of(effect.parameters,

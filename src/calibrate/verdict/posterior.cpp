@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
 
 namespace gear3k::calibrate {
 
@@ -23,6 +25,26 @@ constexpr double kNamed = 0.55;
 constexpr double kNoCause = 4.14, kByBic = 1.78, kBesideStructure = 1.78, kOfSeveral = 2.16;
 
 }  // namespace
+
+std::vector<CauseEvidence> first_evidence(const SearchResult& found) {
+  const double ln_rows = std::log(static_cast<double>(found.rows));
+  std::vector<CauseEvidence> result;
+  for (std::size_t k = 0; k < found.candidates.size(); ++k) {
+    const Gain& gain = found.first_gains[k];
+    const auto parameters = static_cast<double>(found.candidates[k].parameters.size());
+    const CauseEvidence evidence{.id = std::string(found.candidates[k].cause->id),
+                                 .delta_bic = gain.likelihood_ratio - parameters * ln_rows,
+                                 .evidence = gain.evidence};
+    const auto at = std::ranges::find(result, evidence.id, &CauseEvidence::id);
+    if (at == result.end()) {
+      result.push_back(evidence);
+    } else if (evidence.evidence > at->evidence) {
+      *at = evidence;
+    }
+  }
+  std::ranges::stable_sort(result, std::greater<>(), &CauseEvidence::evidence);
+  return result;
+}
 
 void set_posteriors(std::vector<Effect>& effects, bool structure) {
   const double odds =
