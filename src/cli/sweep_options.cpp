@@ -19,7 +19,7 @@ CLI::App& add_sweep_question(CLI::App& sweep, const char* name, const char* text
                              ExitCode (*answer)(const SweepQuestion&)) {
   CLI::App& command = *sweep.add_subcommand(name, text);
   command.add_option("DB", question.database, "database of a sweep")->required();
-  add_output_options(command, question);
+  add_common_options(command, question);
   command.footer("");
   add_out_file(command, question);
   command.callback(
@@ -129,7 +129,7 @@ void add_merge(CLI::App& sweep, SweepMergeOptions& merge, std::function<ExitCode
   command.add_option("--out", merge.out, "database that takes them, made when missing")
       ->required()
       ->option_text("DB");
-  add_output_options(command, merge);
+  add_common_options(command, merge);
   command.footer("");
   command.callback([&merge, &run] { run = [&merge] { return run_sweep_merge(merge); }; });
 }
@@ -184,7 +184,7 @@ void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<E
                   "folder for atlas.csv and its three figures; made when missing; figures need "
                   "gnuplot")
       ->option_text("DIR");
-  add_output_options(command, options);
+  add_common_options(command, options);
   add_out_file(command, options);
   command.callback([&options, &run] {
     if (const std::string error = sweep::atlas_error(options.question); !error.empty()) {

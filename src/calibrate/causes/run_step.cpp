@@ -73,9 +73,9 @@ std::ptrdiff_t rows_of(const MeasurementSet& data, int run) {
 
 /// Whether so many rows lie on either side of a place.
 bool has_rows(const MeasurementSet& data, const FormConstant& place) {
+  const bool by_run = place.name == kFirstRun;
   std::ptrdiff_t before = 0, after = 0;
   for (const Observation& row : data.rows) {
-    const bool by_run = place.name == kFirstRun;
     const double at = by_run ? row.condition.run : row.condition.time_s;
     if (!std::isfinite(at) || (by_run && row.condition.run < 0)) continue;
     ++(at >= place.value ? after : before);

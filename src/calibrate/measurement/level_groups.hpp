@@ -27,7 +27,7 @@ struct LevelGroups {
 /// Each level of each covariate, sessions one by one, and each twelfth of a turn of the output,
 /// both ways and in each direction, with the senses in which its rows may be off: of the reading,
 /// of what is lost, and of a sensor, which turn with the direction, the rotation or both.  Not of a
-/// covariate whose groups would take more than 20 million entries (2000 sessions of 10,000 rows).
+/// covariate whose groups would take more than 20 million entries: rows × levels × (senses + 2).
 /// @param sessions  whether sessions are among them
 LevelGroups level_groups(const MeasurementSet& data, const std::vector<Levels>& levels,
                          bool sessions = true);

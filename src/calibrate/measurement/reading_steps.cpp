@@ -21,10 +21,11 @@ bool are_multiples(const std::vector<double>& values, double origin, double step
 
 /// Whether the sensor makes the steps, and not the conditions that were set: rows of one condition
 /// lie a step apart, or none was repeated and there are more values than a test plan has levels.
+/// @param distinct  values of all rows
 bool are_of_the_sensor(const MeasurementSet& data, double step, std::size_t distinct) {
   constexpr int kFewestRepeats = 8;
-  constexpr int kFewestApart = 3;
-  constexpr std::size_t kFewestValues = 8;
+  constexpr int kFewestApart = 3;           // two may be one typing error
+  constexpr std::size_t kFewestValues = 8;  // covariate_levels() has as many levels at most
   const Repeats repeats = find_repeats(data);
   if (repeats.degrees < kFewestRepeats) return distinct >= kFewestValues;
   std::vector<std::set<long long>> read(static_cast<std::size_t>(repeats.cells));

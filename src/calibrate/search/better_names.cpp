@@ -114,9 +114,9 @@ void prefer_reading(const Judge& judge, SearchResult& result, std::size_t effect
 void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
                        SearchResult& result) {
   prefer_parameters(judge, result);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) prefer_reading(judge, result, e);
   const std::vector<Candidate> searched = result.fit.hypothesis.effects;
   take_unsearched_forms(judge, all, result);
-  for (std::size_t e = 0; e < result.effects.size(); ++e) prefer_reading(judge, result, e);
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
     weigh_effect(judge, result, e, searched[e], result.effects[e]);
     result.effects[e].other_bodies = elsewhere(judge, result, e);

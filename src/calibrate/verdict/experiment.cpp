@@ -254,7 +254,8 @@ void say_what_is_too_little(const std::vector<Pair>& pairs, NextExperiment& plan
 
 /// Where a candidate acts: its body, or the sensor whose zero it is.
 std::string where(const Candidate& c) {
-  return c.form.body.empty() ? c.form.name + " sensor" : c.form.body;
+  if (!c.form.body.empty()) return c.form.body;
+  return place_of(c) == Place::kMeasurement ? "sensor that was read" : "other sensor";
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "calibrate/model/cause.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/rig_train.hpp"
@@ -701,6 +702,21 @@ TEST_F(OnTransmission, ZeroOfTheOutputsSensorLeavesNoLoadAtTheLeast) {
   none.output_torque_Nm = 0.0;
   const Hypothesis zero = one("sensor_offset", {.name = "output_magnitude"}, {0.8});
   EXPECT_NEAR(torque(idle, zero), torque(none), kRounding);
+  // Nor does a little more or less of it change anything there, while it does under load.
+  MeasurementSet data;
+  data.kind = Kind::kTransmission;
+  data.rows = {{.condition = idle}, {.condition = forward_}};
+  const Problem p{.simulation = simulation_, .data = data, .noise = make_noise_model(data)};
+  const Linearisation at = linearise(p, zero, {});
+  constexpr double kLittle = 1e-4;
+  for (const int row : {0, 1}) {
+    const Condition& c = data.rows[static_cast<std::size_t>(row)].condition;
+    const auto with_zero = [&](double value) {
+      return torque(c, one("sensor_offset", {.name = "output_magnitude"}, {value}));
+    };
+    EXPECT_NEAR(at.own(row, 0),
+                (with_zero(0.8 + kLittle) - with_zero(0.8 - kLittle)) / 2.0 / kLittle, 1e-7);
+  }
 }
 
 TEST_F(OnTransmission, ZeroOfTheOutputsSensorIsADragThereWhileNothingTurnsBack) {

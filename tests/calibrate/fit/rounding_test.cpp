@@ -10,6 +10,7 @@
 
 #include "calibrate/search/search.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
@@ -48,24 +49,6 @@ TEST_F(Rounding, StepsAreFoundWhateverTheirSize) {
   read({}, 0.0, 2);
   EXPECT_FALSE(reading_steps(data_));
   EXPECT_FALSE(before_rounding(data_, clean_, 1));
-}
-
-TEST_F(Rounding, WhatWasSetMakesNoSteps) {
-  // Two and ten loads, twenty rows of each, whose repeats agree to the last digit.
-  for (const int loads : {2, 10}) {
-    MeasurementSet data;
-    data.kind = Kind::kTransmission;
-    for (int k = 0; k < 20 * loads; ++k) {
-      Observation row;
-      row.condition.output_torque_Nm = 10.0 * (1 + k % loads);
-      row.response = 0.28 * (1 + k % loads);
-      data.rows.push_back(row);
-    }
-    EXPECT_FALSE(reading_steps(data)) << loads;
-    // Of a sensor they are, where repeats differ by one.
-    for (std::size_t k = 0; k < data.rows.size(); k += 4) data.rows[k].response += 0.28;
-    EXPECT_TRUE(reading_steps(data)) << loads;
-  }
 }
 
 TEST_F(Rounding, WhatMayHaveBeenReadBeforeItIsNormalInEachState) {
@@ -155,6 +138,23 @@ TEST_F(Rounding, ErrorsAndSigmaAreOfTheReadingsWhateverRowCannotBeSimulated) {
   EXPECT_NEAR(d->errors.baseline_train, std::sqrt(squares / n), 1e-12);
   EXPECT_NEAR(d->errors.extended_holdout, std::sqrt(held / n), 1e-12);
   EXPECT_GE(d->errors.noise_floor, 0.2886 * kStep);
+}
+
+TEST_F(Rounding, OneThingIsSaidOfAStatedSigma) {
+  // The scatter of the readings, rounding included, and three times of it; before rounding they
+  // scatter by less than either.
+  for (const double factor : {1.0, 3.0}) {
+    read({}, kStep, 1);
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      data_.rows[i].sigma = factor * std::hypot(kNoise * clean_[static_cast<Eigen::Index>(i)],
+                                                kStep / std::sqrt(12.0));
+    }
+    const auto d = diagnose(simulation_, data_, {});
+    EXPECT_EQ(d->verdict, Verdict::kNoDiscrepancy) << factor;
+    EXPECT_EQ(d->noise_source == NoiseSource::kStated, factor == 1.0) << factor;
+    EXPECT_EQ(std::ranges::count_if(d->notes, tells_of_stated_level), factor == 1.0 ? 0 : 1);
+    EXPECT_LE(d->errors.noise_floor, d->stated_noise) << factor;
+  }
 }
 
 TEST_F(Rounding, WhatWouldBeFoundBeforeItIsTold) {

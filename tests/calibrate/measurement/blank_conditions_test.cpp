@@ -112,6 +112,25 @@ TEST(BlankConditions, OfRowsReadFromARecordCountNeitherWay) {
   EXPECT_TRUE(used_range(set, kTemperature).varies());
 }
 
+TEST(BlankConditions, AFifthIsOfTheRowsThatCouldStateIt) {
+  // Ten of twenty rows lack it, of 120 with those of a record.
+  MeasurementSet set = stated_rows(20);
+  for (std::size_t k = 0; k < 10; ++k) set.rows[k].condition.temperature_K = kUnknown;
+  set.files.emplace_back("loop.csv");
+  set.loops.push_back({.file = 1});
+  for (int i = 0; i < 100; ++i) {
+    Observation row;
+    row.file = 1;
+    set.rows.push_back(row);
+  }
+  settle_blank_conditions(set);
+  EXPECT_EQ(set.rows.size(), 120U);
+  EXPECT_TRUE(is_unused(set, kTemperature));
+  ASSERT_EQ(set.notes.size(), 1U);
+  EXPECT_NE(set.notes[0].find("temperature_c is blank in 10 of 20 rows"), std::string::npos)
+      << set.notes[0];
+}
+
 TEST(BlankConditions, OfAModuleAreRowsOfAnotherPairOrOfOneMillimetre) {
   MeasurementSet set = stated_rows(20, Kind::kPairLoss);
   set.rows[4].condition.module_m = 0.0;

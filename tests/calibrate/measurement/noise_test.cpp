@@ -104,8 +104,8 @@ TEST(Repeats, AreThoseOfWhatWasSetNotOfWhatDrifted) {
 }
 
 TEST(NoiseModel, OfReadingsInStepsTheDeviationIsThatOfTheirSquares) {
-  // Normal quantiles in random places, read in steps of 0.6 to 2 deviations about a simulation of
-  // 10 that lies anywhere in its step.
+  // Quantiles of a normal of deviation 1, read in steps of 0.6 to 2 deviations; the simulation, 10,
+  // lies anywhere in its step.
   constexpr int kRows = 400;
   const boost::math::normal normal;
   for (const double step : {0.6, 1.0, 1.5, 2.0}) {
