@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/search/better_names.hpp"
 #include "calibrate/search/search.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
@@ -127,7 +128,7 @@ TEST_F(Constants, OfOneDirectionTheZeroOfTheSensorThatWasReadIsNamedBeforeTheOth
   std::erase_if(data_.rows, [](const Observation& o) {
     return o.condition.direction == design::Direction::kBackward;
   });
-  const SearchResult result = found();
+  SearchResult result = found();
   ASSERT_EQ(result.effects.size(), 1U);
   EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "offset");
   EXPECT_NEAR(std::abs(result.fit.hypothesis.value[0]), kZero_Nm, 0.001);
@@ -136,6 +137,14 @@ TEST_F(Constants, OfOneDirectionTheZeroOfTheSensorThatWasReadIsNamedBeforeTheOth
                                         [](const Replacement& r) { return r.candidate.form.name; });
   ASSERT_NE(output, elsewhere.end());
   EXPECT_NEAR(std::abs(output->fit.hypothesis.value[0]), kZero_Nm * 50.0 * 0.8, 0.04);
+  // Nor does the output's keep the name where it was found first.
+  const Problem p{.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
+  const std::vector<Candidate> all = candidates_for(simulation_, data_);
+  result.fit = output->fit;
+  const Judge judge(p, all, result.fit, result.scale);
+  take_better_names(judge, all, result);
+  EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "offset");
+  EXPECT_NEAR(std::abs(result.fit.hypothesis.value[0]), kZero_Nm, 0.001);
 }
 
 TEST_F(Constants, ADragThatPushesIsNoDriftAndNoStep) {

@@ -120,7 +120,7 @@ TEST_F(OneSlope, ThatIsLikelierTakesThePlaceOfTheName) {
   Fit& both = gain_and_zero.effects[0].replacements[0].fit;
   both.hypothesis = costly.effects[0].replacements[0].fit.hypothesis;
   both.sum_of_squares = 0.0;
-  EXPECT_FALSE(take_likelier_name(judge, gain_and_zero));
+  ASSERT_FALSE(take_likelier_name(judge, gain_and_zero));
   gain_and_zero.effects[0].replacements[0].statistic = -10.1;
   EXPECT_TRUE(take_likelier_name(judge, gain_and_zero));
   // The coefficient of friction stays, whatever is a little ahead.
