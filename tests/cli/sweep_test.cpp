@@ -258,7 +258,8 @@ TEST(Sweep, RefusesWhatCannotBeMeant) {
   EXPECT_EQ(usage({"sweep", "sweep.toml"}),
             "sweep: allowed: SWEEP.toml and --out DB, or a subcommand");
   EXPECT_EQ(usage({"sweep", "best", "db", "--bye", "ratio"}),
-            "unknown option --bye; did you mean --by?; allowed: --help, --format, --quiet, --out, "
+            "unknown option --bye; did you mean --by?; allowed: --help, --format, --quiet, "
+            "--threads, --out, "
             "--by, --most, --least, --run");
   for (const std::vector<std::string>& folder :
        {std::vector<std::string>{"sweep", "status", "."}, {"sweep", "merge", ".", "--out", "db"}}) {

@@ -63,7 +63,8 @@ double scatter_in_load(const MeasurementSet& set) {
 struct MarkedTogether {
   std::vector<char> marked;  ///< of the group
   std::size_t count = 0;
-  std::string group;  ///< in words
+  std::string group;     ///< in words
+  bool in_turn = false;  ///< a part of the turn
 };
 
 /// The group of one session, direction, load, speed or twelfth of a turn, or of one in one
@@ -104,8 +105,10 @@ std::optional<MarkedTogether> marked_together(const MeasurementSet& set,
     }
   }
   if (!at || best * looked_at > kChance) return std::nullopt;
+  const LevelGroup& group = groups.group[static_cast<std::size_t>(*at)];
   MarkedTogether result{.marked = std::vector<char>(marked.size(), 0),
-                        .group = level_text(set, groups.group[static_cast<std::size_t>(*at)])};
+                        .group = level_text(set, group),
+                        .in_turn = group.along == "angle"};
   for (std::size_t i = 0; i < marked.size(); ++i) {
     if (marked[i] == 0 || groups.columns(static_cast<Eigen::Index>(i), *at) == 0.0) continue;
     result.marked[i] = 1;
@@ -159,9 +162,10 @@ std::optional<std::string> leave_out_impossible(MeasurementSet& set, double rati
     if (!together) break;
     set.notes.push_back(fmt::format(
         "{}: efficiency above 1 beyond the noise in {} of {} rows, of {}: they stay, as what is "
-        "wrong there together is a torque sensor (its gain, its zero) or the stated condition, and "
-        "no single reading",
-        places_of(set, together->marked), together->count, set.rows.size(), together->group));
+        "wrong there together is {}, and no single reading",
+        places_of(set, together->marked), together->count, set.rows.size(), together->group,
+        together->in_turn ? "the gearbox or its load in that part of the turn"
+                          : "a torque sensor (its gain, its zero) or the stated condition"));
     for (std::size_t k = 0; k < marked.size(); ++k) {
       if (together->marked[k] != 0) marked[k] = 0;
     }

@@ -15,9 +15,9 @@ namespace gear3k::calibrate {
 ///
 /// by more than 3 standard deviations and more than 1 % of T_out/|i| (pair_loss: of 1).  Where the
 /// rows state no sigma it is estimated from the scatter of neighbours in load, which repeats are
-/// too.  Rows of transmission that fall together into one session, direction, load or speed stay
-/// and are noted: where readings are impossible together a sensor is wrong, and they are what tells
-/// it from friction.  Other kinds: nothing.
+/// too.  Rows of transmission that fall together into one session, direction, load, speed or
+/// twelfth of a turn stay and are noted: where readings are impossible together a sensor is wrong,
+/// or the gearbox there, and they are what tells it from friction.  Other kinds: nothing.
 /// @returns what is wrong where they are more than 20 % of the rows, which then stay
 /// @throws std::invalid_argument when ratio is not a finite number other than 0 (transmission)
 [[nodiscard]] std::optional<std::string> leave_out_impossible(MeasurementSet& set, double ratio);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -21,7 +22,7 @@ namespace {
 /// Bins of 2 % of a range; rows on either side of an edge count as different.
 constexpr double kSameShare = 0.02;
 /// Of a step, over the deviation of what rounding to it takes off.
-constexpr double kSqrt12 = 3.4641016151377544;
+constexpr double kSqrt12 = 2.0 * std::numbers::sqrt3;
 
 using Key = std::array<long long, 10>;
 

@@ -41,10 +41,6 @@ Fit in_place(Fit fit, std::size_t effect) {
   return fit;
 }
 
-}  // namespace
-
-namespace {
-
 /// The same cause at another body, or in the reading where the other is in the gearbox: one
 /// sensor's zero, and the other's.
 bool is_elsewhere(const Candidate& c, const Candidate& own) {

@@ -456,8 +456,7 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
 /// @param place  of each row of the problem among those of the diagnosis
 LackOfFit lack_of_model(const Problem& problem, const Repeats& repeats, const Diagnosis& d,
                         const std::vector<std::size_t>& place) {
-  // The covariance is that of all parameters, square.
-  const auto parameters = static_cast<int>(std::lround(std::sqrt(d.model.covariance.size())));
+  const auto parameters = static_cast<int>(parameter_count(d.model));
   if (parameters == 0) return {};
   Eigen::VectorXd missed = measured(problem.data);
   for (std::size_t i = 0; i < place.size(); ++i) {

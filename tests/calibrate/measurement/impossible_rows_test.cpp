@@ -84,6 +84,23 @@ TEST(ImpossibleRows, AreLeftOutWhereNothingTellsRowsApart) {
   }
 }
 
+TEST(ImpossibleRows, OfOnePartOfTheTurnStayAndAreNoSensors) {
+  MeasurementSet set = campaign(0.0, 1);
+  for (int k = 0; k < 120; ++k) {
+    // A twelfth of the turn, about 105 degrees, has twelve rows of all loads, speeds and
+    // directions.
+    constexpr double kDegree = 0.017453292519943295;
+    const bool there = 7 * k % 120 < 12;
+    Observation& row = set.rows[static_cast<std::size_t>(k)];
+    row.condition.output_angle_rad = kDegree * (there ? 105.0 : 135.0 + 2.0 * (k % 97));
+    if (there) row.response = 1.1 * row.condition.output_torque_Nm / kRatio;
+  }
+  EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+  EXPECT_EQ(set.rows.size(), 120U);
+  ASSERT_EQ(set.notes.size(), 1U);
+  EXPECT_NE(set.notes[0].find("in that part of the turn"), std::string::npos) << set.notes[0];
+}
+
 TEST(ImpossibleRows, WithinOnePercentNothingIsSaid) {
   MeasurementSet set = campaign(0.0, 1);
   set.rows[10].response = 0.995 * set.rows[10].condition.output_torque_Nm / kRatio;
