@@ -11,11 +11,12 @@
 
 namespace gear3k::app {
 
-report::MotionResult simulate(const SimulateRequest& request) {
+report::MotionResult simulate(const SimulateRequest& request,
+                              const motion::MotionProgress& progress) {
   report::MotionResult result{
       .actuator = request.actuator, .scenario = request.scenario, .motion = {}};
   try {
-    result.motion = motion::simulate(request.actuator, request.scenario);
+    result.motion = motion::simulate(request.actuator, request.scenario, progress);
   } catch (const std::invalid_argument& error) {
     throw io::InvalidInput(fmt::format("{}: {}", request.source, error.what()));
   }

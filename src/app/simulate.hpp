@@ -15,6 +15,7 @@ struct SimulateRequest {
 /// The motion of an actuator in a scenario.
 /// @throws io::InvalidInput where a side lacks inertia that it needs; std::runtime_error where the
 /// integration finds no way on
-report::MotionResult simulate(const SimulateRequest& request);
+report::MotionResult simulate(const SimulateRequest& request,
+                              const motion::MotionProgress& progress = {});
 
 }  // namespace gear3k::app

@@ -171,21 +171,26 @@ ExitCode run_selection(const ActuatorOptions& options) {
     optimize::Progress progress;
     const ProgressDisplay display(progress, options.quiet);
     made = app::make_gearboxes(files, progress);
-    if (progress.stop) return kInterrupted;
+    if (progress.stop) {
+      say("interrupted: nothing is kept\n");
+      return kInterrupted;
+    }
   }
+  end_on_interrupt();
   app::tell_apart(files.task.gearboxes);
   const actuator::Selection selection = actuator::select(files.task);
-  const std::string json = report::selection_json(files.task, selection);
+  const Figures figures = files.task.objectives.size() > 1 && !selection.front.empty()
+                              ? draw({report::selection_plot(files.task, selection)})
+                              : Figures();
+  const std::string json =
+      with_missing_figures(report::selection_json(files.task, selection), figures);
   const std::string front = report::selection_front_csv(files.task, selection);
   std::vector<io::FileText> texts{
       {.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
       {.path = kFrontName, .text = front},
       {.path = "summary.json", .text = json}};
   append_designs(files, selection, made.gearboxes, texts);
-  const std::vector<std::string> written =
-      folder.write(std::move(texts), files.task.objectives.size() > 1 && !selection.front.empty()
-                                         ? draw({report::selection_plot(files.task, selection)})
-                                         : Figures());
+  const std::vector<std::string> written = folder.write(std::move(texts), figures);
   switch (options.format) {
     case Format::kJson:
       print_result(json);

@@ -57,6 +57,7 @@ namespace {
 }  // namespace
 
 void print_result(const std::string& result) {
+  results_begin();
   // JSON has no control character but ends of lines that this would change, nor has CSV.
   const std::string text = io::printable_lines(result);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
@@ -65,6 +66,7 @@ void print_result(const std::string& result) {
 }
 
 void deliver(const CommonOptions& options, const std::string& text) {
+  results_begin();
   if (options.out.empty()) {
     print_result(text);
   } else {
@@ -75,6 +77,7 @@ void deliver(const CommonOptions& options, const std::string& text) {
 void deliver_in_pieces(
     const CommonOptions& options,
     const std::function<void(const std::function<void(std::string_view)>&)>& produce) {
+  results_begin();
   if (!options.out.empty()) {
     io::write_file_in_pieces(options.out, produce);
     return;
@@ -285,6 +288,7 @@ ExitCode run_search(const SearchOptions& options) {
     const ProgressDisplay display(progress, options.quiet);
     return app::search(request, progress);
   }();
+  end_on_interrupt();
   const optimize::ToothSearchResult& search = found.search;
   if (search.interrupted) {
     say("interrupted: a partial search has no ranking\n");

@@ -183,8 +183,8 @@ class FrontJournal {
 struct OptimizeRun {
   app::Optimization outcome;
   report::ResultTally tally;
+  Figures figures;  ///< of the front
   std::string summary;
-  bool drawn = false;  ///< the figure of the front
 };
 
 /// As summary.json has it.
@@ -216,7 +216,10 @@ OptimizeRun run(app::OptimizeTask& task, std::uint64_t fingerprint, RunJournal& 
   const app::Optimization& o = run.outcome;
   if (!o.searched()) return run;
   run.tally = report::tally_of(o.result);
-  run.summary = report::summary_json(
+  if (o.front && !o.front->points.empty()) {
+    run.figures = draw({report::pareto_plot(task.spec, *o.front)});
+  }
+  const io::Json summary = report::summary_json(
       task.spec, o.result, run.tally,
       {.wall_time_s = wall_time_s,
        .threads = threads,
@@ -227,12 +230,13 @@ OptimizeRun run(app::OptimizeTask& task, std::uint64_t fingerprint, RunJournal& 
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
       o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt,
       o.relaxed ? &*o.relaxed : nullptr);
+  run.summary = with_missing_figures(summary, run.figures);
   return run;
 }
 
 /// @param replaces  what is there under a result's name: else, where no summary tells that a run
 ///   wrote it, it is set aside
-void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRun& run,
+void write_files(ResultFolder& folder, const app::OptimizeTask& task, const OptimizeRun& run,
                  bool replaces) {
   if (!replaces && !std::filesystem::exists(folder.path_of(kSummaryName))) folder.set_all_aside();
   const app::Optimization& o = run.outcome;
@@ -252,12 +256,7 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRu
     files.push_back(
         {.path = kActuatorName, .text = io::actuator_text(o.co_design->actuator, "best.toml")});
   }
-  Figures figures;
-  if (o.front && !o.front->points.empty()) {
-    figures = draw({report::pareto_plot(task.spec, *o.front)});
-  }
-  folder.write(std::move(files), figures);
-  run.drawn = !figures.files.empty();
+  folder.write(std::move(files), run.figures);
   if (!o.best) folder.set_aside("best.toml");
   if (!o.rounded) folder.set_aside(kRoundedName);
   if (!o.co_design) folder.set_aside(kActuatorName);
@@ -307,7 +306,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               o.co_design ? "actuator.toml (its motor with it), " : "",
               o.result.search.candidates.size() - run.tally.open,
               o.front ? o.front->points.size() : o.result.pareto.size(),
-              run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string());
+              run.figures.files.empty() ? std::string() : fmt::format("{}, ", kFrontFigure));
       print_result(
           (o.result.interrupted || (o.front && o.front->interrupted)
                ? fmt::format("Stopped: {} of {} tooth sets are done, the best of them is\n",

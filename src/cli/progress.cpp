@@ -25,17 +25,23 @@ using Clock = std::chrono::steady_clock;
 // The signal handler reaches the run through this; lock-free as StopFlag is.
 std::atomic<optimize::StopFlag*> stop_flag{nullptr};
 
-extern "C" void on_interrupt_without_progress(int) {
-  constexpr std::string_view kMessage = "interrupted\n";
-  const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+// Whether results may be there already.
+std::atomic<bool> results_began{false};
+
+[[noreturn]] void exit_interrupted(std::string_view message) {
+  const auto written = ::write(STDERR_FILENO, message.data(), message.size());
   static_cast<void>(written);
   ::_exit(kInterrupted);
+}
+
+extern "C" void on_interrupt_without_progress(int) {
+  exit_interrupted(results_began ? "interrupted\n" : "interrupted: nothing is kept\n");
 }
 
 extern "C" void on_interrupt(int signal) {
   optimize::StopFlag* const flag = stop_flag.load();
   // One that was held until after the run: what it found is written.
-  if (flag == nullptr) return on_interrupt_without_progress(signal);
+  if (flag == nullptr) exit_interrupted("interrupted\n");
   *flag = true;
   std::signal(signal, SIG_DFL);
 }
@@ -62,6 +68,8 @@ std::string range_text(const optimize::RunForecast::Range& left) {
 }
 
 }  // namespace
+
+void results_begin() { results_began = true; }
 
 void end_on_interrupt() {
   std::signal(SIGINT, on_interrupt_without_progress);
@@ -168,8 +176,10 @@ struct ProgressDisplay::State {
         facts = count_of("gearboxes built at random");
         break;
     }
-    if (counts == Counts::kSharesDiagnosed) {
-      facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
+    if (counts != Counts::kOfPhase) {
+      facts =
+          fmt::format("{} % {}, {} left", 100 * finished / total,
+                      counts == Counts::kSharesDiagnosed ? "diagnosed" : "simulated", remaining);
     }
     if (progress.feasible.load() > 0 && stage.empty()) {
       facts += fmt::format(", best {:.5g}",

@@ -8,8 +8,11 @@
 namespace gear3k::cli {
 
 /// Lets Ctrl-C and SIGTERM end a command without ProgressDisplay: with kInterrupted and a word on
-/// stderr.
+/// stderr, until results_begin() with the word that nothing is kept.
 void end_on_interrupt();
+
+/// Says that from here on results are printed or written.
+void results_begin();
 
 /// Shows the progress of a run on stderr while it exists, and turns Ctrl-C into progress.stop.
 ///
@@ -22,6 +25,7 @@ class ProgressDisplay {
   enum class Counts {
     kOfPhase,          ///< by Progress::phase
     kSharesDiagnosed,  ///< done of total is the share of a diagnosis; the phase means nothing
+    kSharesSimulated,  ///< the same of a motion's time
   };
 
   /// @param front_budget_s  time after which the search of a front is ended; 0: none

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "cli/progress.hpp"
 #include "cli/talk.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_writer.hpp"
@@ -94,6 +95,7 @@ std::string ResultFolder::path_of(const std::string& name) const {
 std::vector<std::string> ResultFolder::write(std::vector<io::FileText> files,
                                              const Figures& figures) {
   open();
+  results_begin();
   files.insert(files.end(), figures.files.begin(), figures.files.end());
   std::vector<std::string> written;
   written.reserve(files.size());

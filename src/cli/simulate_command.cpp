@@ -41,6 +41,17 @@ app::SimulateRequest simulate_request(const SimulateOptions& options,
   return request;
 }
 
+report::MotionResult shown(const app::SimulateRequest& request, bool quiet) {
+  optimize::Progress progress;
+  constexpr std::size_t kSteps = 1000;
+  progress.total = kSteps;
+  const ProgressDisplay display(progress, quiet, ProgressDisplay::Counts::kSharesSimulated);
+  return app::simulate(request, [&progress](double share) {
+    progress.done = static_cast<std::size_t>(share * static_cast<double>(kSteps));
+    return !progress.stop.load();
+  });
+}
+
 }  // namespace
 
 ExitCode run_simulate(const SimulateOptions& options) {
@@ -58,12 +69,13 @@ ExitCode run_simulate(const SimulateOptions& options) {
   }
   report::MotionResult result;
   try {
-    result = app::simulate(request);
+    result = shown(request, options.quiet);
   } catch (const std::runtime_error& error) {
     if (dynamic_cast<const io::InvalidInput*>(&error) != nullptr) throw;
     say(fmt::format("{}: {}\n", options.scenario, error.what()));
     return kSolverFailure;
   }
+  end_on_interrupt();
   Figures figures;
   if (folder) figures = draw({report::motion_plot(result)});
   const std::string json = with_missing_figures(report::motion_json(result), figures);
@@ -93,7 +105,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
   }
   if (result.motion.complete) return kDone;
   say(fmt::format("{}: {}\n", options.scenario, result.motion.ended_early));
-  return kSolverFailure;
+  return result.motion.interrupted ? kInterrupted : kSolverFailure;
 }
 
 }  // namespace gear3k::cli

@@ -54,6 +54,7 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
                                     .quiet = options.quiet});
   }
   const app::Tolerances result = shown(request, options.quiet);
+  end_on_interrupt();
   Figures figures;
   if (folder) figures = draw(plots_of(request.design, result));
   const std::string json =

@@ -49,8 +49,10 @@ std::size_t share_of(const Mode& mode) {
 
 class MotionRun {
  public:
-  MotionRun(const actuator::Actuator& actuator, const Scenario& scenario)
+  MotionRun(const actuator::Actuator& actuator, const Scenario& scenario,
+            const MotionProgress& progress)
       : scenario_(scenario),
+        progress_(progress),
         ratio_(actuator.gearbox.ratio),
         hybrid_(actuator, scenario),
         max_step_s_(hybrid_.max_step_s()),
@@ -184,7 +186,7 @@ class MotionRun {
       }
       sample(stepper_.to_s());
       spend(stepper_.to_s());
-      if (steps_are_spent()) {
+      if (steps_are_spent() || is_interrupted()) {
         x_ = stepper_.state();
         return;
       }
@@ -209,6 +211,14 @@ class MotionRun {
     end_early(fmt::format("solver.max_steps = {} steps, the last of {:g} s", most,
                           stepper_.to_s() - stepper_.from_s()));
     return true;
+  }
+
+  /// Ends the run where its progress says so.
+  bool is_interrupted() {
+    if (!progress_ || progress_(time_s_ / scenario_.duration_s)) return false;
+    motion_.interrupted = time_s_ < scenario_.duration_s;
+    if (motion_.interrupted) end_early("interrupted");
+    return motion_.interrupted;
   }
 
   void end_early(std::string why) {
@@ -250,8 +260,8 @@ class MotionRun {
     const std::int64_t most = scenario_.solver.max_events;
     if (static_cast<std::int64_t>(counted) > most) {
       end_early(fmt::format("more than solver.max_events = {} events", most));
-    } else if (!chatters(end_s)) {
-      steps_are_spent();
+    } else if (!chatters(end_s) && !steps_are_spent()) {
+      is_interrupted();
     }
   }
 
@@ -324,6 +334,7 @@ class MotionRun {
   void fill_ledger();
 
   const Scenario& scenario_;
+  const MotionProgress& progress_;
   double ratio_;
   Hybrid hybrid_;
   double max_step_s_;
@@ -402,8 +413,9 @@ void MotionRun::finish() {
 
 }  // namespace
 
-Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario) {
-  Motion motion = MotionRun(actuator, scenario).run();
+Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario,
+                const MotionProgress& progress) {
+  Motion motion = MotionRun(actuator, scenario, progress).run();
   motion.checks =
       actuator::drive_checks(actuator, {.current_A = motion.peak_current_A,
                                         .voltage_V = motion.peak_voltage_V,

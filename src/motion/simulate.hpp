@@ -1,6 +1,7 @@
 #pragma once
 // Motion of an actuator over time, with its events and where its energy goes.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,13 +55,17 @@ struct Motion {
   std::vector<ModeShare> shares{};
   MotionRow end{};
   std::size_t steps = 0, cuts = 0;
-  bool complete = true;  ///< false: solver.max_events or max_steps were passed
+  bool complete = true;      ///< false: solver.max_events or max_steps were passed, or interrupted
+  bool interrupted = false;  ///< the progress ended it
   /// Of the rows and of four points of each step.
   double peak_current_A = 0.0, peak_voltage_V = 0.0, peak_motor_speed_rad_s = 0.0;
   std::vector<actuator::LimitCheck> checks{};  ///< of the peaks; the motion is not held to them
   std::string ended_early{};  ///< why, and when; "" of a complete one.  Among the notes too
   std::vector<std::string> notes{};
 };
+
+/// Called after each step with the share of the time that is past; false ends the motion there.
+using MotionProgress = std::function<bool(double share)>;
 
 /// Simulates a scenario.
 ///
@@ -73,6 +78,7 @@ struct Motion {
 /// Does not account for: inductance, cogging, the winding's temperature in R, elasticity.
 /// @throws std::invalid_argument where a side lacks inertia; std::runtime_error where a step finds
 /// no end
-Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario);
+Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario,
+                const MotionProgress& progress = {});
 
 }  // namespace gear3k::motion

@@ -92,6 +92,7 @@ io::Json motion_json(const MotionResult& result) {
             {"actuator", result.actuator.name},
             {"duration_s", result.scenario.duration_s},
             {"complete", m.complete},
+            {"interrupted", m.interrupted},
             {"end",
              {{"time_s", m.end.time_s},
               {"output_angle_rad", m.end.sides.output_rad},

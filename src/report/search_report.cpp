@@ -422,14 +422,14 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
 
 }  // namespace
 
-std::string summary_json(const Specification& spec, const OptimizeResult& result,
-                         const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
-                         const optimize::ParetoFront* front, const RobustRun* robust,
-                         const ModelComparison* comparison, const design::Limits* stated_limits,
-                         const HeldBackReport* held, const optimize::Rounding* rounding,
-                         const CoDesignReport* co_design,
-                         const std::vector<actuator::LimitCheck>* felt,
-                         const optimize::RelaxedLimits* relaxed) {
+io::Json summary_json(const Specification& spec, const OptimizeResult& result,
+                      const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
+                      const optimize::ParetoFront* front, const RobustRun* robust,
+                      const ModelComparison* comparison, const design::Limits* stated_limits,
+                      const HeldBackReport* held, const optimize::Rounding* rounding,
+                      const CoDesignReport* co_design,
+                      const std::vector<actuator::LimitCheck>* felt,
+                      const optimize::RelaxedLimits* relaxed) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -509,7 +509,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   if (comparison != nullptr && !comparison->change) {
     json["model_change_missing"] = comparison->missing;
   }
-  return json.text();
+  return json;
 }
 
 }  // namespace gear3k::report

@@ -103,14 +103,16 @@ struct RunFacts {
 /// @param comparison  of the best designs without and with the model; null: no model
 /// @param relaxed  what would give a design; null: there is one, or none was sought
 /// @param felt  limits of what is felt at the best design's output; null: none are known
-std::string summary_json(
-    const optimize::Specification& spec, const optimize::OptimizeResult& result,
-    const ResultTally& tally, const RunFacts& facts, const ModelUse* model = nullptr,
-    const optimize::ParetoFront* front = nullptr, const RobustRun* robust = nullptr,
-    const ModelComparison* comparison = nullptr, const design::Limits* stated_limits = nullptr,
-    const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr,
-    const CoDesignReport* co_design = nullptr,
-    const std::vector<actuator::LimitCheck>* felt = nullptr,
-    const optimize::RelaxedLimits* relaxed = nullptr);
+io::Json summary_json(const optimize::Specification& spec, const optimize::OptimizeResult& result,
+                      const ResultTally& tally, const RunFacts& facts,
+                      const ModelUse* model = nullptr, const optimize::ParetoFront* front = nullptr,
+                      const RobustRun* robust = nullptr,
+                      const ModelComparison* comparison = nullptr,
+                      const design::Limits* stated_limits = nullptr,
+                      const HeldBackReport* held = nullptr,
+                      const optimize::Rounding* rounding = nullptr,
+                      const CoDesignReport* co_design = nullptr,
+                      const std::vector<actuator::LimitCheck>* felt = nullptr,
+                      const optimize::RelaxedLimits* relaxed = nullptr);
 
 }  // namespace gear3k::report

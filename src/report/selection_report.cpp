@@ -151,7 +151,7 @@ std::string selection_front_csv(const SelectionTask& task, const Selection& sele
   return text;
 }
 
-std::string selection_json(const SelectionTask& task, const Selection& selection) {
+io::Json selection_json(const SelectionTask& task, const Selection& selection) {
   Json rejected = Json::object();
   for (std::size_t k = 0; k < selection.rejected.size(); ++k) {
     rejected[actuator::kPairLimitNames[k]] = selection.rejected[k];
@@ -176,8 +176,7 @@ std::string selection_json(const SelectionTask& task, const Selection& selection
               {"infeasible", counts[2]},
               {"rejected", rejected},
               {"front", front},
-              {"nearest", selection.nearest ? pair_json(task, *selection.nearest) : Json()}}
-      .text();
+              {"nearest", selection.nearest ? pair_json(task, *selection.nearest) : Json()}};
 }
 
 std::string selection_table(const SelectionTask& task, const Selection& selection) {

@@ -20,8 +20,7 @@ std::string selection_csv(const actuator::SelectionTask& task,
 /// The front.
 std::string selection_front_csv(const actuator::SelectionTask& task,
                                 const actuator::Selection& selection);
-std::string selection_json(const actuator::SelectionTask& task,
-                           const actuator::Selection& selection);
+io::Json selection_json(const actuator::SelectionTask& task, const actuator::Selection& selection);
 std::string selection_table(const actuator::SelectionTask& task,
                             const actuator::Selection& selection);
 /// By how much a limit is exceeded: " by 12 % of the limit"; a share without bound (a winding that

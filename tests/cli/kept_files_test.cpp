@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k::kept_files_test {
@@ -132,6 +133,57 @@ TEST(KeptFiles, GearboxesOfASelectionHaveNamesOfTheirOwn) {
         << name;
   }
   EXPECT_TRUE(place.has("o/design_mine.toml"));
+}
+
+/// The one figure that a summary says to be missing.
+void expect_missing_front(const Workplace& place, const std::vector<std::string>& words) {
+  std::filesystem::remove_all(place.file("o"));
+  {
+    const test::OtherPath path("");
+    const ProgramResult run = place.run(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(place.read("o/summary.json"), run.out);
+  }
+  const auto missing = nlohmann::json::parse(place.read("o/summary.json")).at("missing_figures");
+  ASSERT_EQ(missing.size(), 1U);
+  EXPECT_EQ(missing.at(0).at("file"), "pareto.svg");
+  EXPECT_NE(missing.at(0).at("cause").get<std::string>().find("gnuplot"), std::string::npos);
+  EXPECT_FALSE(place.has("o/pareto.svg"));
+  std::filesystem::remove_all(place.file("o"));
+  EXPECT_EQ(place.run(words).exit_code, 0);
+  EXPECT_FALSE(nlohmann::json::parse(place.read("o/summary.json")).contains("missing_figures"));
+  EXPECT_TRUE(place.has("o/pareto.svg"));
+}
+
+TEST(KeptFiles, FrontsWithoutAFigureSaySoInTheirSummary) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("c.csv", kCycle);
+  place.write("a.toml", kGears);
+  place.write("s.toml", replaced(kSelection, ", \"b.toml\"", ""));
+  expect_missing_front(place, {"actuator", "--select", "s.toml", "--out", "o", "--format", "json"});
+  place.write("spec.toml",
+              "objective = [\"outer_diameter\", \"lost_motion\"]\npareto.points = 2\n" + kGears);
+  expect_missing_front(place, {"optimize", "spec.toml", "--out", "o", "--format", "json"});
+}
+
+TEST(KeptFiles, AnInterruptedSelectionSaysThatNothingIsKept) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("c.csv", kCycle);
+  place.write("a.toml", replaced(kGears, "S = [15, 15]\nP1 = [30, 30]\nP2 = [32, 32]",
+                                 "S = [10, 30]\nP1 = [15, 40]\nP2 = [15, 40]"));
+  place.write("s.toml", replaced(kSelection, ", \"b.toml\"", ""));
+  test::RunningProgram program =
+      place.start({"actuator", "--select", "s.toml", "--out", "o", "--quiet"});
+  ASSERT_TRUE(program.wait_until_it_catches(SIGINT, std::chrono::seconds(10)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  program.send(SIGINT);
+  const auto result = program.wait(std::chrono::seconds(20));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->exit_code, 130);
+  EXPECT_EQ(result->err, "interrupted: nothing is kept\n");
+  EXPECT_FALSE(place.has("o"));
 }
 
 TEST(KeptFiles, ADesignOfASelectionReplacesNoInput) {

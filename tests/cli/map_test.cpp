@@ -214,7 +214,7 @@ TEST(MapInterrupt, EndsWithItsCodeAndLeavesNothing) {
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->signal, 0);
   EXPECT_EQ(result->exit_code, 130);
-  EXPECT_EQ(result->err, "interrupted\n");
+  EXPECT_EQ(result->err, "interrupted: nothing is kept\n");
   EXPECT_EQ(result->out, "");
   EXPECT_FALSE(std::filesystem::exists(place.file("out")));
 }

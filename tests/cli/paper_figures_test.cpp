@@ -225,7 +225,7 @@ TEST(ReproduceFigures, AnInterruptLeavesNothing) {
   const auto result = program.wait(std::chrono::seconds(5));
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->exit_code, 130);
-  EXPECT_EQ(result->err, "interrupted\n");
+  EXPECT_EQ(result->err, "interrupted: nothing is kept\n");
   EXPECT_TRUE(place.listing().empty());
 }
 

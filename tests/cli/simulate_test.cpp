@@ -196,5 +196,41 @@ TEST(Simulate, TooManyEventsEndWithWhatIsDone) {
   EXPECT_FALSE(json::parse(place.read("out/ledger.json")).at("complete").get<bool>());
 }
 
+// Of a motion that would take minutes.
+TEST(Simulate, KeepsOnCtrlCWhatIsDone) {
+  const Workplace place;
+  place.write("a.toml", kSwinging);
+  place.write("s.toml",
+              "duration_s = 1e6\n[control]\nmode = \"torque\"\ntorque_amplitude_nm = 0.05\n"
+              "frequency_hz = 0.7\n[output]\nsample_s = 0.1\n[solver]\nmax_events = 10000000\n");
+  test::RunningProgram program = place.start({"simulate", "a.toml", "s.toml", "--out", "out"});
+  ASSERT_TRUE(program.wait_until_it_catches(SIGINT, std::chrono::seconds(10)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  program.send(SIGINT);
+  const auto result = program.wait(std::chrono::seconds(20));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->exit_code, 130) << result->err;
+  EXPECT_TRUE(result->err.starts_with("s.toml: ended at ")) << result->err;
+  EXPECT_TRUE(result->err.ends_with(" s of 1e+06 s: interrupted\n")) << result->err;
+  const json data = json::parse(place.read("out/ledger.json"));
+  EXPECT_EQ(data.at("complete"), false);
+  EXPECT_EQ(data.at("interrupted"), true);
+  const double end_s = data.at("end").at("time_s").get<double>();
+  EXPECT_GT(end_s, 0.0);
+  EXPECT_LT(data.at("ledger").at("balance_error").get<double>(), 1e-9);
+  // The rows go up to there, and are those of a run that asks for no more.
+  const std::vector<std::string> rows = lines_of(place.read("out/motion.csv"));
+  EXPECT_EQ(std::stod(rows.back()), end_s);
+  place.write("s.toml",
+              "duration_s = 2\n[control]\nmode = \"torque\"\ntorque_amplitude_nm = 0.05\n"
+              "frequency_hz = 0.7\n[output]\nsample_s = 0.1\n");
+  const ProgramResult whole = place.run({"simulate", "a.toml", "s.toml", "--format", "csv"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const std::vector<std::string> first = lines_of(whole.out);
+  ASSERT_GT(first.size(), 15U);
+  ASSERT_GT(rows.size(), 15U);
+  for (std::size_t k = 0; k < 15; ++k) EXPECT_EQ(rows[k], first[k]);
+}
+
 }  // namespace
 }  // namespace gear3k::simulate_cli_test

@@ -67,7 +67,7 @@ TEST(SelectionReport, PairsHaveEveryNumberByItsName) {
   selection.front[0].pair = {.motor = 1, .gearbox = 2};
   selection.front[1].pair = {.motor = 0, .gearbox = 1};
   selection.nearest = any_pair(value);
-  const json report = json::parse(selection_json(task, selection));
+  const json report = json::parse(selection_json(task, selection).text());
   EXPECT_EQ(report.at("front").at(0).at("motor"), "1");
   EXPECT_EQ(report.at("nearest").at("limit"), "voltage");
   const std::array<const actuator::PairResult*, 3> pairs{&selection.front[0], &selection.front[1],
@@ -110,7 +110,7 @@ TEST(SelectionReport, CountsAreThoseOfTheVerdicts) {
     selection.rejected.at(k) = 100 + k;
     stated[std::string("/rejected/") + kLimits.at(k)] = 100.0 + static_cast<double>(k);
   }
-  expect_all_numbers(numbers_of(json::parse(selection_json(task, selection))), stated);
+  expect_all_numbers(numbers_of(json::parse(selection_json(task, selection).text())), stated);
 }
 
 TEST(SelectionReport, CsvOfTheFrontHasEveryNumberByItsColumn) {
