@@ -67,7 +67,9 @@ class AxesReader {
       : folder_(std::move(folder)), reading_(reading) {}
 
   std::vector<Axis> axes;
-  io::CollectedErrors of_rows;  ///< what is wrong with files of rows
+  std::set<std::string> varied;
+  bool varied_known = true;
+  io::CollectedErrors of_rows;
 
   void walk(const TomlValue& table, const std::string& prefix) {
     for (const TomlValue& member : table.table) {
@@ -99,6 +101,7 @@ class AxesReader {
   /// Says it where a path is no key, or is varied twice.
   bool known(const std::string& path, const TomlValue& member) {
     if (!is_key(path)) {
+      varied_known = false;
       const bool table = member.kind == TomlValue::Kind::kTable && !is_range(member);
       TomlValue first = table ? member : io::integer_value(0);
       first.position = member.position;
@@ -109,7 +112,7 @@ class AxesReader {
       reading_.error(member.position, "name: names no task: allowed: keys that change a result");
       return false;
     }
-    if (varied_.insert(path).second) return true;
+    if (varied.insert(path).second) return true;
     reading_.error(member.position, fmt::format("{} is varied twice: allowed: once", path));
     return false;
   }
@@ -296,6 +299,7 @@ class AxesReader {
                                                   io::as_text(member)));
       return;
     }
+    const bool known_before = std::exchange(varied_known, false);
     const std::string file = (std::filesystem::path(folder_) / member.text).string();
     const std::string text = io::text_of_named_file(
         [](const std::string& path) { return io::read_text(path, "a CSV file", kMostRowBytes); },
@@ -303,10 +307,11 @@ class AxesReader {
     const io::CsvTable table = io::parse_csv(text, file);
     io::FileReading own(file);
     Axis axis;
+    varied_known = known_before;
     std::vector<std::size_t> columns;  // of the paths
     for (std::size_t k = 0; k < table.header.size(); ++k) {
       const std::string& path = table.header[k];
-      if (is_key(path) && path != "name" && varied_.insert(path).second) {
+      if (is_key(path) && path != "name" && varied.insert(path).second) {
         axis.paths.push_back(path);
         columns.push_back(k);
         continue;
@@ -318,6 +323,7 @@ class AxesReader {
                                                "not name",
                                                path));
       } else {
+        varied_known = false;
         io::check_keys(alone(path, std::move(column)), own);
       }
     }
@@ -350,17 +356,17 @@ class AxesReader {
 
   std::string folder_;
   io::FileReading& reading_;
-  std::set<std::string> varied_;
 };
 
 }  // namespace
 
-std::vector<Axis> read_axes(const TomlValue& vary, const std::string& folder,
-                            io::FileReading& reading, io::CollectedErrors& of_rows) {
+Vary read_vary(const TomlValue& vary, const std::string& folder, io::FileReading& reading) {
   AxesReader reader(folder, reading);
   reader.walk(vary, "");
-  of_rows = std::move(reader.of_rows);
-  return std::move(reader.axes);
+  return {.axes = std::move(reader.axes),
+          .paths = std::move(reader.varied),
+          .paths_known = reader.varied_known,
+          .of_rows = std::move(reader.of_rows)};
 }
 
 std::uint64_t combinations(const std::vector<Axis>& axes) {

@@ -2,10 +2,12 @@
 // What a sweep varies: table [vary] of SWEEP.toml.
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "io/keys/key_registry.hpp"
+#include "io/text/diagnostics.hpp"
 #include "io/text/toml_value.hpp"
 
 namespace gear3k::sweep {
@@ -14,6 +16,14 @@ namespace gear3k::sweep {
 struct Axis {
   std::vector<std::string> paths;
   std::vector<std::vector<io::TomlValue>> points;
+};
+
+/// What [vary] states.
+struct Vary {
+  std::vector<Axis> axes;
+  std::set<std::string> paths;  ///< that it varies, with values that are refused too
+  bool paths_known = true;      ///< false: unknown keys, or rows that cannot be read, may be others
+  io::CollectedErrors of_rows;  ///< what is wrong with files of rows
 };
 
 /// Values that one range, list or table of rows may give.
@@ -28,9 +38,7 @@ inline constexpr std::int64_t kMostOnAxis = 1'000'000;
 ///
 /// Every value is checked as one of its key; what is wrong is told in `reading`.
 /// @param folder   the one that `rows` is relative to
-/// @param of_rows  gets what is wrong with files of rows
-std::vector<Axis> read_axes(const io::TomlValue& vary, const std::string& folder,
-                            io::FileReading& reading, io::CollectedErrors& of_rows);
+Vary read_vary(const io::TomlValue& vary, const std::string& folder, io::FileReading& reading);
 
 /// How many combinations they have; the greatest number where they are more.
 std::uint64_t combinations(const std::vector<Axis>& axes);

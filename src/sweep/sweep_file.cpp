@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "io/files/document_kind.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/keys/material_keys.hpp"
+#include "io/keys/specification_keys.hpp"
 #include "io/keys/strength_keys.hpp"
 #include "io/text/file_reader.hpp"
 #include "sweep/task.hpp"
@@ -83,6 +85,13 @@ void check_stated_twice(const Sweep& sweep, const TomlValue& vary, io::FileReadi
   }
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
 /// Whether one of the first tasks fits together.
 /// @throws io::InvalidInput with what is wrong with the first where none does
 void try_tasks(const Sweep& sweep) {
@@ -96,6 +105,74 @@ void try_tasks(const Sweep& sweep) {
     }
   }
   throw io::InvalidInput(first);
+}
+
+/// Makes paths of files absolute, and forgets where values of axes stand: places of values are
+/// those of the SWEEP file, and messages name the SPEC where the task is one.
+/// @param folder  of the SWEEP file
+void place_in(Sweep& sweep, const std::string& folder, bool inlined) {
+  set_folder_under(sweep.task, "", std::filesystem::path(sweep.task_file).parent_path());
+  for (Axis& axis : sweep.axes) {
+    for (std::size_t p = 0; p < axis.paths.size(); ++p) {
+      if (!names_files(axis.paths[p])) continue;
+      for (auto& point : axis.points) set_folder(point[p], folder);
+    }
+    if (inlined) continue;
+    for (auto& point : axis.points) {
+      for (TomlValue& value : point) value.position = {};
+    }
+  }
+}
+
+/// Lines of a text that another one does not have.
+std::vector<std::string> lines_beside(const std::string& text, const std::string& other) {
+  const std::vector<std::string> others = lines_of(other);
+  std::vector<std::string> lines = lines_of(text);
+  std::erase_if(lines, [&](const std::string& line) {
+    return std::ranges::find(others, line) != others.end();
+  });
+  return lines;
+}
+
+/// Lines that the first tasks are all refused with, those of what is known aside: they are wrong
+/// whatever is varied.
+std::vector<std::string> common_errors(const Sweep& sweep, const std::string& known) {
+  constexpr std::uint64_t kMost = 100;
+  std::vector<std::string> common;
+  for (std::uint64_t k = 0; k < std::min(kMost, sweep.count()); ++k) {
+    io::CollectedErrors of_task;
+    of_task.attempt([&] { io::specification_of(sweep.document(k), sweep.task_file); });
+    const std::vector<std::string> lines = lines_beside(of_task.text(), known);
+    if (k == 0) common = lines;
+    std::erase_if(common, [&](const std::string& line) {
+      return std::ranges::find(lines, line) == lines.end();
+    });
+    if (common.empty()) break;
+  }
+  return common;
+}
+
+/// Adds what else is wrong with the task, beside errors of the SWEEP file: without any it is read
+/// as a whole.
+/// @param vary_is_good  what is varied has no errors
+void add_errors_of_task(const Sweep& sweep, const Vary& vary, bool vary_is_good,
+                        io::CollectedErrors& errors) {
+  const std::string known = errors.text();
+  if (vary_is_good) {
+    errors.add(common_errors(sweep, known));
+    return;
+  }
+  io::FileReading spec(sweep.task_file);
+  io::check_keys(sweep.task, spec);
+  if (vary.paths_known) {
+    for (const io::ExpandedKey& key : io::specification_schema().index().keys) {
+      if (!key.record->required || vary.paths.contains(key.path)) continue;
+      if (!has_at(sweep.task, key.path)) io::say_missing(key, spec);
+    }
+  }
+  io::CollectedErrors of_keys;
+  of_keys.attempt([&] { spec.throw_if_invalid(); });
+  errors.add(lines_beside(of_keys.text(), known));
 }
 
 }  // namespace
@@ -134,7 +211,7 @@ Sweep read_sweep(const std::string& path) {
   sweep.name = input.name;
   sweep.task_file = path;
   const std::string folder = std::filesystem::path(path).parent_path().string();
-  io::CollectedErrors of_spec, of_rows;
+  io::CollectedErrors of_spec;
   const bool inlined = task.has_value();
   if (inlined == input.spec.has_value()) {
     reading.error_at("spec", inlined ? "spec and [task]: allowed: one of them"
@@ -151,36 +228,19 @@ Sweep read_sweep(const std::string& path) {
     sweep.task = io::with_material_tables(*task, io::train_gear_tables());
     if (inlined) io::check_keys(sweep.task, reading);
   }
-  if (vary) {
-    sweep.axes = read_axes(*vary, folder, reading, of_rows);
-    check_stated_twice(sweep, *vary, reading);
-  }
+  Vary varied;
+  const std::size_t before = reading.count();
+  if (vary) varied = read_vary(*vary, folder, reading);
+  const bool vary_is_good = reading.count() == before && !varied.of_rows.any();
+  sweep.axes = std::move(varied.axes);
+  if (vary) check_stated_twice(sweep, *vary, reading);
+  if (task) place_in(sweep, folder, inlined);
   io::CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
   errors.attempt([&] { of_spec.raise(); });
-  errors.attempt([&] { of_rows.raise(); });
-  if (errors.any() && task && !inlined) {
-    // Without other errors it is read as a whole.
-    io::FileReading spec(sweep.task_file);
-    io::check_keys(sweep.task, spec);
-    errors.attempt([&] { spec.throw_if_invalid(); });
-  }
+  errors.attempt([&] { varied.of_rows.raise(); });
+  if (errors.any() && task) add_errors_of_task(sweep, varied, vary_is_good, errors);
   errors.raise();
-  set_folder_under(sweep.task, "", std::filesystem::path(sweep.task_file).parent_path());
-  for (Axis& axis : sweep.axes) {
-    for (std::size_t p = 0; p < axis.paths.size(); ++p) {
-      if (!names_files(axis.paths[p])) continue;
-      for (auto& point : axis.points) set_folder(point[p], folder);
-    }
-  }
-  if (!inlined) {
-    // Places of values are those of the SWEEP file; messages name the SPEC.
-    for (Axis& axis : sweep.axes) {
-      for (auto& point : axis.points) {
-        for (TomlValue& value : point) value.position = {};
-      }
-    }
-  }
   try_tasks(sweep);
   return sweep;
 }

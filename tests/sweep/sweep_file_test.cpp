@@ -178,6 +178,62 @@ TEST(SweepFile, FilesThatItNamesHideNoErrors) {
             "rows.csv:2:1: ratio.target = \"forty\": allowed: a number, -100000 to 100000");
 }
 
+// With a SPEC beside it and with [task]; with a good [vary] and with one that has errors itself.
+TEST(SweepFile, MissingKeysOfItsTaskAreToldBesideWrongValues) {
+  const Workplace place;
+  const std::string task =
+      "[ratio]\ntarget = 45.0\n[teeth]\nS = [10, 3000]\nR1_max = 80\nR2_max = 80\n"
+      "[strength]\nk_a = -1.0\n";
+  const std::string missing_p1 = "teeth.P1 is missing", missing_p2 = "teeth.P2 is missing";
+  const std::string missing_torque = "strength.output_torque_nm is missing";
+  const auto told = [](const std::string& text, const std::string& part) {
+    std::size_t count = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+  };
+  place.write("spec.toml", task);
+  // The SWEEP file's own error is `nam`.
+  for (const bool inlined : {false, true}) {
+    std::string own = "nam = \"x\"\n";
+    if (inlined) {
+      std::string tables = "[task." + task.substr(1);
+      for (const char* table : {"[teeth]", "[strength]"}) {
+        tables.replace(tables.find(table), 1, "[task.");
+      }
+      own += tables;
+    } else {
+      own += "spec = \"spec.toml\"\n";
+    }
+    const std::string good = refused(place, own + "[vary]\nteeth.P2 = [[20, 30], [20, 40]]\n");
+    EXPECT_EQ(told(good, "unknown key nam"), 1U) << good;
+    EXPECT_EQ(told(good, "teeth.S = [10, 3000]"), 1U) << good;
+    EXPECT_EQ(told(good, "strength.k_a = -1.0"), 1U) << good;
+    EXPECT_EQ(told(good, missing_p1), 1U) << good;
+    EXPECT_EQ(told(good, missing_p2), 0U) << good;
+    EXPECT_EQ(told(good, missing_torque), 1U) << good;
+    const std::string bad = refused(place, own + "[vary]\nteeth.P2 = { min = 3 }\n");
+    EXPECT_EQ(told(bad, "vary.teeth.P2 = { min = 3 }"), 1U) << bad;
+    EXPECT_EQ(told(bad, "teeth.S = [10, 3000]"), 1U) << bad;
+    EXPECT_EQ(told(bad, missing_p1), 1U) << bad;
+    EXPECT_EQ(told(bad, missing_p2), 0U) << bad;
+  }
+}
+
+// What one combination lacks only is no error of the sweep.
+// What some combinations are refused for is no error of the sweep; what all are refused for is.
+TEST(SweepFile, AnErrorOfOneCombinationIsNotToldBesideAnother) {
+  const Workplace place;
+  const std::string start =
+      "nam = 1\n" +
+      test::replaced(kSmallTask, "max_output_arcmin = 12.0", "min_output_arcmin = 5.0") +
+      "[vary]\nbacklash.max_output_arcmin = ";
+  const std::string some = refused(place, start + "[4.0, 8.0]\n");
+  EXPECT_EQ(some.find("sweep.toml:1:1: unknown key nam"), 0U) << some;
+  EXPECT_EQ(some.find("min_output_arcmin"), std::string::npos) << some;
+  const std::string all = refused(place, start + "[4.0]\nplanets = [3, 4]\n");
+  EXPECT_NE(all.find("min_output_arcmin"), std::string::npos) << all;
+}
+
 TEST(SweepFile, IsRefusedWhereNoTaskFitsTogether) {
   const Workplace place;
   EXPECT_EQ(

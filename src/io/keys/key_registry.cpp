@@ -391,15 +391,17 @@ KeyIndex::KeyIndex(std::vector<ExpandedKey> expanded) : keys(std::move(expanded)
   }
 }
 
+void say_missing(const ExpandedKey& key, FileReading& reading) {
+  reading.error_at(key.path, fmt::format("{} is missing: {}; allowed: {}", key.path,
+                                         key.record->help, allowed_text(*key.record)));
+}
+
 std::vector<FoundValue> match_keys(const TomlValue& document, const KeyIndex& index,
                                    FileReading& reading) {
   Matcher matcher{.index = index, .reading = reading, .found = {}};
   matcher.walk(document, "");
   for (const ExpandedKey& key : index.keys) {
-    if (key.record->required && !reading.stated(key.path)) {
-      reading.error_at(key.path, fmt::format("{} is missing: {}; allowed: {}", key.path,
-                                             key.record->help, allowed_text(*key.record)));
-    }
+    if (key.record->required && !reading.stated(key.path)) say_missing(key, reading);
   }
   return matcher.found;
 }

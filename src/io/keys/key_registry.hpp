@@ -165,6 +165,8 @@ class FileReading {
   [[nodiscard]] bool stated(const std::string& path) const;
   /// Whether a key is in the file with a value of its type and range.
   [[nodiscard]] bool has(const std::string& path) const;
+  /// Messages so far.
+  [[nodiscard]] std::size_t count() const { return complaints_.count(); }
   /// @throws InvalidInput with the messages (Complaints), when there are any
   void throw_if_invalid() const;
 
@@ -187,6 +189,9 @@ struct FoundValue {
   std::size_t key, gear;
   const TomlValue* value;
 };
+
+/// Says that a required key is missing.
+void say_missing(const ExpandedKey& key, FileReading& reading);
 
 /// Matches a document with the keys: unknown keys, wrong types, values out of range and missing
 /// required keys become errors in `reading`.  @returns the values that passed.

@@ -41,7 +41,12 @@ class CollectedErrors {
       text_ += error.what();
     }
   }
+  /// Adds lines.
+  void add(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) text_ += (text_.empty() ? "" : "\n") + line;
+  }
   [[nodiscard]] bool any() const { return !text_.empty(); }
+  [[nodiscard]] const std::string& text() const { return text_; }
   /// @throws InvalidInput where there was any
   void raise() const {
     if (!text_.empty()) throw InvalidInput(text_);
