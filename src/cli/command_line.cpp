@@ -214,6 +214,46 @@ void check_file_names(CLI::App& app) {
   }
 }
 
+namespace {
+
+/// An option that stands before the command: where it goes, or that no command has it; "" where
+/// every option there is the program's own.
+std::string misplaced_option(const CLI::App& app, const std::vector<std::string>& words) {
+  const std::vector<const CLI::App*> commands = app.get_subcommands(nullptr);
+  const auto command_of = [&](const std::string& word) {
+    return std::ranges::find(commands, word, &CLI::App::get_name);
+  };
+  // A value of the option may stand between; without a command the first that has it is shown.
+  const auto named = std::ranges::find_if(
+      words, [&](const std::string& word) { return command_of(word) != commands.end(); });
+  const CLI::App* meant = named != words.end() ? *command_of(*named) : nullptr;
+  std::vector<std::string> known = option_names(app);
+  for (auto word = words.begin(); word != named && word->starts_with("-"); ++word) {
+    const std::string name = word->substr(0, word->find('='));
+    if (app.get_option_no_throw(name) != nullptr) continue;
+    const auto has_it = [&](const CLI::App* command) {
+      return command->get_option_no_throw(name) != nullptr;
+    };
+    if (meant != nullptr && has_it(meant)) {
+      return fmt::format("{}: no effect before the command: allowed: after it, gear3k {} {} ...",
+                         name, meant->get_name(), name);
+    }
+    if (meant == nullptr && std::ranges::any_of(commands, has_it)) {
+      return fmt::format("{}: allowed: after a command, gear3k COMMAND {} ...", name, name);
+    }
+    if (meant != nullptr) {
+      const std::vector<std::string> own = option_names(*meant);
+      known.insert(known.end(), own.begin(), own.end());
+      std::ranges::sort(known);
+      known.erase(std::unique(known.begin(), known.end()), known.end());
+    }
+    return unknown("option", name, known);
+  }
+  return "";
+}
+
+}  // namespace
+
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = &app;
   std::size_t at = 0;
@@ -226,7 +266,8 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
     }
     if (next == nullptr) {
       if (command != &app) break;
-      return words[at].starts_with("-") ? "" : unknown("command", words[at], names);
+      return words[at].starts_with("-") ? misplaced_option(app, words)
+                                        : unknown("command", words[at], names);
     }
     command = next;
   }

@@ -40,7 +40,8 @@ CLI::Validator within(double least, double greatest);
 /// next option (`--out --quiet`).
 void check_file_names(CLI::App& app);
 
-/// A message about the first word that is no command, or no option of its command; "" when all are.
+/// A message about the first word that is no command, or no option of its command, or an option
+/// that stands before it; "" when there is none.
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 
 /// What is wrong with the arguments that app.parse() refused: the command, every argument that is

@@ -51,6 +51,39 @@ TEST(RefusedUse, OptionsThatHaveNoEffectAreUsageErrors) {
   }
 }
 
+TEST(RefusedUse, OptionsBeforeTheCommandAreToldWhereTheyGo) {
+  const Workplace place;
+  const std::string end = "\nRun with --help for more information.\n";
+  for (const Refused& r : std::vector<Refused>{
+           {{"--quiet", "optimize", "s.toml", "--out", "o"},
+            1,
+            {"--quiet: no effect before the command: allowed: after it, gear3k optimize --quiet "
+             "..."}},
+           {{"--format", "json", "analyze", "d.toml"},
+            1,
+            {"--format: no effect before the command: allowed: after it, gear3k analyze --format "
+             "..."}},
+           {{"--threads=2", "search", "s.toml"},
+            1,
+            {"--threads: no effect before the command: allowed: after it, gear3k search --threads "
+             "..."}},
+           {{"--quiet"}, 1, {"--quiet: allowed: after a command, gear3k COMMAND --quiet ..."}},
+           {{"--quite", "mesh", "p.toml"}, 1, {"unknown option --quite; did you mean --quiet?"}},
+           {{"--model", "m.toml", "mesh", "p.toml"}, 1, {"unknown option --model; "}},
+           {{"-q", "mesh", "p.toml"}, 1, {"unknown option -q; "}}}) {
+    const ProgramResult run = place.run(r.words);
+    EXPECT_EQ(run.exit_code, r.exit_code) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_TRUE(run.err.starts_with(r.said.front())) << run.err;
+    EXPECT_TRUE(run.err.ends_with(end)) << run.err;
+  }
+  EXPECT_TRUE(place.listing().empty());
+  for (const char* own : {"--help", "-h", "--version"}) {
+    EXPECT_EQ(place.run({own}).exit_code, 0) << own;
+    EXPECT_EQ(place.run({own, "mesh"}).exit_code, 0) << own;
+  }
+}
+
 TEST(RefusedUse, ErrorsOfAModelAreToldWithThoseOfItsSubject) {
   const Workplace place;
   place.write("d.toml", "planetz = 3\n");
