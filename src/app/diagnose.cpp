@@ -77,7 +77,7 @@ std::optional<Ends> ends_of(const ExperimentLimit& limit,
   const auto [low, high] = calibrate::range_of(set, quantity.member);
   constexpr double kBeyond = 0.25;
   // Of a temperature a quarter is one of its range.
-  const bool shifted = quantity.shift != 0.0;
+  const bool shifted = quantity.si(0.0) != 0.0;
   const double room = shifted ? kBeyond * (high - low) : 0.0;
   const double least = limit.least.value_or(shifted ? low - room : (1.0 - kBeyond) * low);
   const double greatest = limit.greatest.value_or(shifted ? high + room : (1.0 + kBeyond) * high);

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include "cli/exit_code.hpp"
+#include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::cli {
@@ -192,6 +195,16 @@ CLI::Validator within(double least, double greatest) {
             return fmt::format("= {}: allowed: a number, {}", word, range);
           },
           range};
+}
+
+CLI::Validator number_that(std::function<bool(double)> allows, std::string allowed) {
+  return {[allows = std::move(allows),
+           allowed = std::move(allowed)](const std::string& word) -> std::string {
+            const std::optional<double> value = io::csv_number(word);
+            if (value && allows(*value)) return "";
+            return fmt::format("= {}: allowed: {}", word, allowed);
+          },
+          ""};
 }
 
 void check_file_names(CLI::App& app) {

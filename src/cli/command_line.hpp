@@ -2,6 +2,7 @@
 // What every command's arguments have in common: the shape of the help, and words that are none.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ CLI::Validator one_of(std::string kind, std::vector<std::string> known);
 CLI::Validator within(std::int64_t least, std::int64_t greatest);
 CLI::Validator within(int least, int greatest);
 CLI::Validator within(double least, double greatest);
+/// The same of any condition; `allowed` says it.
+CLI::Validator number_that(std::function<bool(double)> allows, std::string allowed);
 
 /// Adds checks to every argument of every command that names a file or folder (file_kind): its name
 /// is not "", which would be read as if the option were not there, and that of an option not the

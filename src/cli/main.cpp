@@ -159,6 +159,8 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   command
       .add_option("--false-discovery-rate", options.false_discovery_rate,
                   "probability of a finding where nothing is wrong, up to 0.5 [0.05]")
+      ->check(cli::number_that([](double rate) { return rate > 0.0 && rate <= 0.5; },
+                               "a number above 0, up to 0.5"))
       ->option_text("P");
   command
       .add_option_function<std::string>(
@@ -166,13 +168,18 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
           "of subsamples and of random signs")
       ->option_text("SEED [1]");
   for (const LimitOption& limit : kLimitOptions) {
+    const auto check = cli::number_that(
+        [least = limit.least](double end) { return std::isfinite(end) && end >= least; },
+        fmt::format("a finite number, {:g} or more", limit.least));
     command
         .add_option(fmt::format("--min-{}", limit.name), (options.*limit.limit).least,
                     fmt::format("least {}", limit.text))
+        ->check(check)
         ->option_text("MIN");
     command
         .add_option(fmt::format("--max-{}", limit.name), (options.*limit.limit).greatest,
                     fmt::format("greatest {}", limit.text))
+        ->check(check)
         ->option_text("MAX");
   }
   add_common_options(command, options);
@@ -181,20 +188,8 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
 /// What is wrong with the options of `diagnose` together; "" when nothing is.
 std::string diagnose_usage_error(const cli::DiagnoseOptions& options) {
   std::vector<std::string> errors;
-  const double rate = options.false_discovery_rate;
-  if (!(rate > 0.0 && rate <= 0.5)) {
-    errors.push_back(
-        fmt::format("--false-discovery-rate = {:g}: allowed: above 0, up to 0.5", rate));
-  }
   for (const LimitOption& limit : kLimitOptions) {
     const auto& [least, greatest] = options.*limit.limit;
-    const auto check = [&](const char* end, const std::optional<double>& value) {
-      if (!value || (std::isfinite(*value) && *value >= limit.least)) return;
-      errors.push_back(fmt::format("--{}-{} = {:g}: allowed: a finite number, {:g} or more", end,
-                                   limit.name, *value, limit.least));
-    };
-    check("min", least);
-    check("max", greatest);
     if (least && greatest && *least > *greatest) {
       errors.push_back(fmt::format("--min-{0} = {1:g}, --max-{0} = {2:g}: allowed: min <= max",
                                    limit.name, *least, *greatest));
@@ -569,7 +564,12 @@ int run_program(int argc, char** argv) {
       cli::print_result(help.str());
       return cli::kDone;
     }
-    cli::say(cli::usage_error(app, error) + "Run with --help for more information.\n");
+    std::string text = cli::usage_error(app, error);
+    if (app.got_subcommand("diagnose")) {
+      const std::string more = diagnose_usage_error(commands.diagnose);
+      if (text.find(more) == std::string::npos) text += more + '\n';
+    }
+    cli::say(text + "Run with --help for more information.\n");
     return cli::kUsage;
   }
   return commands.run();

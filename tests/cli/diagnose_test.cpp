@@ -671,7 +671,8 @@ TEST(Diagnose, UsageErrors) {
       place.run({"diagnose", "gear.toml", "data.csv", "--false-discovery-rate", "0",
                  "--min-sun-speed-rpm", "500", "--max-sun-speed-rpm", "100"});
   EXPECT_EQ(limits.exit_code, 1);
-  EXPECT_TRUE(contains(limits.err, "--false-discovery-rate = 0: allowed: above 0, up to 0.5"))
+  EXPECT_TRUE(
+      contains(limits.err, "--false-discovery-rate = 0: allowed: a number above 0, up to 0.5"))
       << limits.err;
   EXPECT_TRUE(contains(limits.err, "allowed: min <= max")) << limits.err;
   for (const std::string& seed :

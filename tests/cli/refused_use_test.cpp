@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -42,6 +43,13 @@ TEST(RefusedUse, OptionsThatHaveNoEffectAreUsageErrors) {
            {{"actuator", "--select", "s.toml", "--out", "o", "--strict"},
             1,
             {"--strict: allowed: without --select"}},
+           {{"diagnose", "d.toml", "t.csv", "--threads", "0", "--false-discovery-rate", "2",
+             "--min-sun-speed-rpm", "-5", "--max-output-torque-nm", "few"},
+            1,
+            {"--threads = 0: allowed:",
+             "--false-discovery-rate = 2: allowed: a number above 0, up to 0.5",
+             "--min-sun-speed-rpm = -5: allowed: a finite number, 0 or more",
+             "--max-output-torque-nm = few: allowed: a "}},
            {{"mesh", "p.toml", "--show", "masses"}, 1, {"unknown part masses"}}}) {
     const ProgramResult run = place.run(r.words);
     EXPECT_EQ(run.exit_code, r.exit_code) << run.err;
@@ -81,6 +89,24 @@ TEST(RefusedUse, OptionsBeforeTheCommandAreToldWhereTheyGo) {
   for (const char* own : {"--help", "-h", "--version"}) {
     EXPECT_EQ(place.run({own}).exit_code, 0) << own;
     EXPECT_EQ(place.run({own, "mesh"}).exit_code, 0) << own;
+  }
+}
+
+// With the place of the key that names them.
+TEST(RefusedUse, FoldersInThePlaceOfFilesThatAKeyNames) {
+  const Workplace place;
+  std::filesystem::create_directory(place.file("folder"));
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+              "[gearbox]\ndesign = \"folder\"\n");
+  place.write("s.toml", "duration_s = \"x\"\n");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"actuator", "a.toml"}, {"simulate", "a.toml", "s.toml"}}) {
+    const ProgramResult run = place.run(words);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("a.toml:5:1: gearbox.design: folder: is a directory, allowed: a file"),
+              std::string::npos)
+        << run.err;
   }
 }
 

@@ -2,27 +2,29 @@
 // The conditions of measurements as files name them: one record for reading, ranges and reports.
 
 #include <array>
-#include <numbers>
 #include <string_view>
 
 #include "calibrate/measurement/measurement.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::calibrate {
 
 /// A condition that a file states as a number.
-///
-///   SI = factor · written + shift
 struct ConditionQuantity {
   std::string_view column;           ///< of a measurement file: name and unit
   std::string_view name;             ///< of the column without its unit
   std::string_view unit = {};        ///< as in the column; "" = none
   std::string_view title;            ///< in sentences
   std::string_view shown_unit = {};  ///< the unit as sentences write it
-  double factor = 1.0, shift = 0.0;
+  units::Unit conversion = units::Unit::kNone;
   double Condition::*member = nullptr;  ///< null: of another type than double, or no condition
 
-  [[nodiscard]] constexpr double si(double written) const { return factor * written + shift; }
-  [[nodiscard]] constexpr double written(double si) const { return (si - shift) / factor; }
+  [[nodiscard]] constexpr double si(double written) const {
+    return units::to_si(written, conversion);
+  }
+  [[nodiscard]] constexpr double written(double si) const { return units::from_si(si, conversion); }
+  /// What a file states: of a value that was read in few digits these, and no roundings.
+  [[nodiscard]] double stated(double si) const { return units::decimal_from_si(si, conversion); }
 };
 
 inline constexpr ConditionQuantity kSunSpeed{.column = "sun_speed_rpm",
@@ -30,7 +32,7 @@ inline constexpr ConditionQuantity kSunSpeed{.column = "sun_speed_rpm",
                                              .unit = "rpm",
                                              .title = "sun speed",
                                              .shown_unit = "rpm",
-                                             .factor = std::numbers::pi / 30.0,
+                                             .conversion = units::Unit::kRpm,
                                              .member = &Condition::sun_speed_rad_s};
 inline constexpr ConditionQuantity kOutputTorque{.column = "output_torque_nm",
                                                  .name = "output_torque",
@@ -43,14 +45,14 @@ inline constexpr ConditionQuantity kTemperature{.column = "temperature_c",
                                                 .unit = "c",
                                                 .title = "temperature",
                                                 .shown_unit = "C",
-                                                .shift = 273.15,
+                                                .conversion = units::Unit::kCelsius,
                                                 .member = &Condition::temperature_K};
 inline constexpr ConditionQuantity kOutputAngle{.column = "output_angle_deg",
                                                 .name = "output_angle",
                                                 .unit = "deg",
                                                 .title = "output angle",
                                                 .shown_unit = "deg",
-                                                .factor = std::numbers::pi / 180.0,
+                                                .conversion = units::Unit::kDegree,
                                                 .member = &Condition::output_angle_rad};
 inline constexpr ConditionQuantity kTime{.column = "time_s",
                                          .name = "time",
@@ -72,7 +74,7 @@ inline constexpr ConditionQuantity kShaftAngle{.column = "angle_deg",
                                                .unit = "deg",
                                                .title = "angle",
                                                .shown_unit = "deg",
-                                               .factor = std::numbers::pi / 180.0,
+                                               .conversion = units::Unit::kDegree,
                                                .member = &Condition::output_angle_rad};
 /// The response of a torque-angle record.
 inline constexpr ConditionQuantity kShaftTorque{
@@ -86,7 +88,7 @@ inline constexpr ConditionQuantity kModule{.column = "module_mm",
                                            .unit = "mm",
                                            .title = "module",
                                            .shown_unit = "mm",
-                                           .factor = 1e-3,
+                                           .conversion = units::Unit::kMillimetre,
                                            .member = &Condition::module_m};
 
 /// All of them; a model may state its range along each.

@@ -75,8 +75,8 @@ std::vector<ConditionRange> ranges_of(const MeasurementSet& data) {
     if (!measured_under(q.condition, data.kind) || !range.known()) continue;
     result.push_back({.name = std::string(condition.name),
                       .unit = std::string(condition.unit),
-                      .low = condition.written(range.low),
-                      .high = condition.written(range.high)});
+                      .low = condition.stated(range.low),
+                      .high = condition.stated(range.high)});
   }
   return result;
 }

@@ -116,6 +116,15 @@ std::optional<HeaderNote> parted(std::string_view rest, std::string_view signs, 
                     .line = number};
 }
 
+/// The column that a note means by a key in other letters, or with '=' behind it; "" where it may
+/// be prose.
+std::string stated_column(const HeaderNote& note, const std::vector<std::string>& columns) {
+  const bool as_name = note.key.find('_') != std::string::npos;
+  if (!as_name && !csv_number(note.word)) return "";
+  const auto column = std::ranges::find(columns, normalised_key(note.key));
+  return column == columns.end() ? "" : *column;
+}
+
 /// Without '#' before it and commas behind.
 std::optional<std::string_view> comment_of(std::string_view line) {
   if (!line.starts_with('#')) return std::nullopt;
@@ -169,13 +178,17 @@ void HeaderNotes::look_for_slip(const HeaderNote& note, bool equals_sign,
                          equals_sign ? " =" : ":", note.word, near, allowed_text(*meant)));
     return;
   }
-  if (equals_sign) return;
+  if (equals_sign) {
+    unknown_.push_back({.note = note, .near = {}, .equals_sign = true});
+    return;
+  }
   // Two letters off, and of other words, what follows decides.
   const bool another =
       meant != nullptr && std::ranges::find(meant->not_it, key) != meant->not_it.end();
   const bool close = !near.empty() && (near.size() >= kLongKey || edit_distance(key, near) <= 1) &&
                      (!another || key + "s" == near || near + "s" == key);
-  unknown_.push_back({.note = note, .near = close ? std::move(near) : std::string()});
+  unknown_.push_back(
+      {.note = note, .near = close ? std::move(near) : std::string(), .equals_sign = false});
 }
 
 bool HeaderNotes::slipped(std::string_view key) const {
@@ -185,7 +198,9 @@ bool HeaderNotes::slipped(std::string_view key) const {
 std::string HeaderNotes::nearest_unknown(const std::string& key) const {
   std::vector<std::string> keys;
   keys.reserve(unknown_.size());
-  for (const Unknown& u : unknown_) keys.push_back(u.note.key);
+  for (const Unknown& u : unknown_) {
+    if (!u.equals_sign) keys.push_back(u.note.key);
+  }
   return closest_word(key, keys);
 }
 
@@ -216,17 +231,23 @@ std::vector<std::string> HeaderNotes::idle(const KindNotes& of,
   for (const Unknown& u : unknown_) {
     const std::string& key = u.note.key;
     if (std::ranges::find(told, key) != told.end()) continue;
-    const bool is_column = std::ranges::find(columns, key) != columns.end();
-    const bool is_there = std::ranges::find(header, key) != header.end();
+    const bool by_name = !u.equals_sign && std::ranges::find(columns, key) != columns.end();
+    const std::string column = by_name ? key : stated_column(u.note, columns);
+    const bool is_there = std::ranges::find(header, column) != header.end() ||
+                          std::ranges::find(header, key) != header.end();
     const KnownNote* near = u.near.empty() ? nullptr : known_note(u.near);
     // What stands as a column may be described in a comment.
-    const bool meant = near != nullptr && (!(is_column || is_there) || takes(*near, u.note.word));
-    std::string would = is_column && !is_there ? "a column of that name" : "";
+    const bool meant =
+        near != nullptr && (!(!column.empty() || is_there) || takes(*near, u.note.word));
+    std::string would;
+    if (!column.empty() && !is_there) {
+      would = by_name ? "a column of that name" : "a column " + column;
+    }
     if (meant) would += fmt::format("{}\"# {}:\"", would.empty() ? "" : ", or ", near->key);
     if (would.empty()) continue;
     told.push_back(key);
-    texts.push_back(fmt::format("\"# {}:\" in line {} is no note and does not act; {} would", key,
-                                u.note.line, would));
+    texts.push_back(fmt::format("\"# {}{}\" in line {} is no note and does not act; {} would", key,
+                                u.equals_sign ? " =" : ":", u.note.line, would));
   }
   return texts;
 }

@@ -50,7 +50,9 @@ class HeaderNotes {
   /// Complains of notes that are known, say what they may and have no part in this file.
   void refuse_others(const KindNotes& of, Complaints& complaints) const;
 
-  /// Says of lines that look like a column or a note that they do not act.
+  /// Says of lines that look like a column or a note that they do not act.  With other letters, or
+  /// with '=' in place of the colon, a line looks like a column where its key is written as one
+  /// ("Temperature_c") or a number follows.
   /// @param columns  names that the kind knows
   /// @param header   names that are there
   [[nodiscard]] std::vector<std::string> idle(const KindNotes& of,
@@ -63,6 +65,7 @@ class HeaderNotes {
   struct Unknown {
     HeaderNote note;
     std::string near;  ///< key of the reader that may be meant; "" for none
+    bool equals_sign;  ///< in place of the colon
   };
   std::vector<std::string> own_, slips_;
   std::vector<HeaderNote> known_;  ///< of known keys, the reader's or not

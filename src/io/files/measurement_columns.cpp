@@ -22,8 +22,9 @@ using calibrate::Observation;
 using Column = MeasurementColumn;
 using Type = MeasurementColumn::Type;
 
-constexpr double kRadPerArcmin = calibrate::response_unit(Kind::kLostMotion).si;
-static_assert(kAbsoluteZero_C == -calibrate::kTemperature.shift);
+static_assert(units::si_per(units::Unit::kArcmin) ==
+              calibrate::response_unit(Kind::kLostMotion).si);
+static_assert(kAbsoluteZero_C == -calibrate::kTemperature.si(0.0));
 constexpr double kFewestPairTeeth = 3, kMostTeeth = 2000;
 constexpr std::string_view kMagnitude =
     " (speeds and torques are magnitudes; direction and rotation give the signs)";
@@ -34,8 +35,7 @@ Column condition(bool required) {
   return {.name = quantity.column,
           .unit = quantity.unit,
           .required = required,
-          .factor = quantity.factor,
-          .shift = quantity.shift,
+          .conversion = quantity.conversion,
           .store = [](Observation& o, double si) { o.condition.*quantity.member = si; }};
 }
 
@@ -47,13 +47,13 @@ Column magnitude(Column column) {
   return column;
 }
 
-Column sigma(std::string_view name, std::string_view unit, double factor) {
+Column sigma(std::string_view name, std::string_view unit, units::Unit conversion) {
   return {.name = name,
           .unit = unit,
           .min = 0.0,
           .ends_excluded = true,
           .hint = " (one standard deviation)",
-          .factor = factor,
+          .conversion = conversion,
           .store = [](Observation& o, double si) { o.sigma = si; }};
 }
 
@@ -81,7 +81,7 @@ std::vector<Column> transmission_columns() {
        .type = Type::kSense,
        .store = [](Observation& o, double si) { o.condition.rotation = si < 0.0 ? -1 : 1; }},
       condition<calibrate::kOutputAngle>(false),
-      sigma("sigma_nm", "nm", 1.0)};
+      sigma("sigma_nm", "nm", units::Unit::kNewtonMetre)};
   append_circumstances(columns);
   return columns;
 }
@@ -95,9 +95,9 @@ std::vector<Column> lost_motion_columns() {
        .required = true,
        .min = 0.0,
        .hint = " (a magnitude: the angle travelled between the two torques)",
-       .factor = kRadPerArcmin,
+       .conversion = units::Unit::kArcmin,
        .store = store_response},
-      sigma("sigma_arcmin", "arcmin", kRadPerArcmin)};
+      sigma("sigma_arcmin", "arcmin", units::Unit::kArcmin)};
   append_circumstances(columns);
   return columns;
 }
@@ -142,7 +142,7 @@ std::vector<Column> pair_loss_columns() {
        .hint = " (a fraction, not per cent)",
        .store = store_response},
       module_column(),
-      sigma("sigma", "", 1.0)};
+      sigma("sigma", "", units::Unit::kNone)};
   append_circumstances(columns);
   return columns;
 }

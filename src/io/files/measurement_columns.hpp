@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrate/measurement/measurement.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
@@ -22,8 +23,7 @@ struct MeasurementColumn {
   double max = std::numeric_limits<double>::infinity();
   bool ends_excluded = false;
   std::string_view hint = {};  ///< said after the allowed range
-  double factor = 1.0;         ///< SI = factor written + shift
-  double shift = 0.0;
+  units::Unit conversion = units::Unit::kNone;
   void (*store)(calibrate::Observation&, double si) = nullptr;
 
   /// Whether a value as written in the file is of the type and in the range.

@@ -162,7 +162,7 @@ class RowReader {
                fmt::format("{} = {}: allowed: {}", column.name, field, column.allowed_text()));
       return false;
     }
-    column.store(o, column.factor * *value + column.shift);
+    column.store(o, units::to_si(*value, column.conversion));
     return true;
   }
 

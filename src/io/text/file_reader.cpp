@@ -75,8 +75,17 @@ std::string read_text(const std::string& path, std::string_view what, std::size_
 }
 
 void check_named_file(const std::string& path, std::string_view key, const std::string& of) {
-  if (OpenFile(path).descriptor() >= 0) return;
-  throw InvalidInput(fmt::format("{}: {}: {}: {}", of, key, path, system_failure()));
+  const OpenFile file(path);
+  struct stat status {};
+  std::string failure;
+  if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
+    failure = system_failure();
+  } else if (S_ISDIR(status.st_mode)) {
+    failure = "is a directory, allowed: a file";
+  }
+  if (!failure.empty()) {
+    throw InvalidInput(fmt::format("{}: {}: {}: {}", of, key, path, failure));
+  }
 }
 
 std::string text_of_named_file(const std::function<std::string(const std::string&)>& text_of_file,

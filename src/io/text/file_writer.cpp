@@ -20,6 +20,8 @@ namespace {
   throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
 }
 
+constexpr const char* kInTheWay = "a file is in the way; allowed: a folder, or a new name";
+
 InvalidInput no_folder(const std::string& path, const std::string& cause) {
   return InvalidInput(fmt::format("{}: cannot be made a folder: {}", path, cause));
 }
@@ -87,7 +89,7 @@ void prepare_folder(const std::string& path) {
   std::error_code status;
   std::filesystem::create_directories(path, status);
   if (status || !std::filesystem::is_directory(path)) {
-    throw no_folder(path, status ? status.message() : "a file is in the way");
+    throw no_folder(path, status ? status.message() : kInTheWay);
   }
   expect_writable(path, path);
 }
@@ -102,7 +104,7 @@ void expect_folder(const std::string& path) {
     there = there.parent_path();
   }
   if (there.empty()) there = ".";
-  if (!fs::is_directory(there, unknown)) throw no_folder(path, "a file is in the way");
+  if (!fs::is_directory(there, unknown)) throw no_folder(path, kInTheWay);
   expect_writable(path, there.string());
 }
 

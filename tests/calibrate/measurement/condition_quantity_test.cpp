@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
 
@@ -25,6 +26,24 @@ TEST(ConditionQuantity, ReadBackWhatWasWritten) {
       // Rounding: of the shift, a few hundred.
       EXPECT_NEAR(q.written(q.si(written)), written, 4e-16 * (std::abs(written) + 500.0))
           << q.column;
+    }
+  }
+}
+
+// Texts of up to nine digits, as files have them.
+TEST(ConditionQuantity, StatesTheDigitsThatWereRead) {
+  EXPECT_EQ(kTemperature.stated(kTemperature.si(44.122)), 44.122);
+  EXPECT_NE(kTemperature.written(kTemperature.si(44.122)), 44.122);
+  std::uint64_t state = 12345;
+  for (const ConditionQuantity& q : kConditionQuantities) {
+    for (int n = 0; n < 300; ++n) {
+      state = state * 6364136223846793005U + 1442695040888963407U;
+      const auto whole = static_cast<long long>(state >> 34U) % 1000000000LL;
+      const std::string text = std::to_string(whole / 1000000) + "." +
+                               std::to_string(1000000 + whole % 1000000).substr(1);
+      const double read = std::stod(text);
+      EXPECT_EQ(q.stated(q.si(read)), read) << q.column << ' ' << text;
+      EXPECT_EQ(q.si(q.stated(q.si(read))), q.si(read)) << q.column << ' ' << text;
     }
   }
 }

@@ -261,6 +261,34 @@ TEST(HeaderNotes, ThatLookLikeColumnsAreNoted) {
   EXPECT_EQ(log.notes, (Texts{note("motor_angle_rad", 1, "a column of that name")}));
 }
 
+TEST(HeaderNotes, ThatLookLikeColumnsInOtherLettersAreNoted) {
+  const auto note = [](const std::string& written, const std::string& column) {
+    return fmt::format("f.csv: \"# {}\" in line 1 is no note and does not act; a column {} would",
+                       written, column);
+  };
+  for (const auto& [line, told] : std::vector<std::pair<std::string, std::string>>{
+           {"# Temperature_c: 20", note("Temperature_c:", "temperature_c")},
+           {"# TEMPERATURE_C: about 20", note("TEMPERATURE_C:", "temperature_c")},
+           {"# temperature_c = 20", note("temperature_c =", "temperature_c")},
+           {"#temperature_c=20,,,", note("temperature_c =", "temperature_c")},
+           {"# Temperature C = 20", note("Temperature C =", "temperature_c")},
+           {"# temperature-c: 20", note("temperature-c:", "temperature_c")},
+           {"# Cycles: 2000", note("Cycles:", "cycles")}}) {
+    EXPECT_EQ(data_notes(line + "\n" + kLost), Texts{told}) << line;
+  }
+  EXPECT_EQ(io::parse_motion_log("f.csv", "# Motor_angle_rad = 0\n" + log_text(),
+                                 {.ratio = 10.0, .load_kgm2 = 0.3})
+                .notes,
+            Texts{note("Motor_angle_rad =", "motor_angle_rad")});
+  // Prose, and what stands as a column.
+  for (const char* line :
+       {"# Temperature was 20", "# temperature = 20 C in the room", "# Cycles: three a point",
+        "# cycles = turns of the output", "# Time: 10:30", "# Test_torque_nm: by a lever",
+        "# output_angle_deg = of the encoder", "# lost motion = angle between both", "# x = 3"}) {
+    EXPECT_EQ(data_notes(std::string(line) + "\n" + kLost), Texts{}) << line;
+  }
+}
+
 // Every comment of the project's own tables, as a part of each kind of file.
 TEST(HeaderNotes, CommentsOfTheTablesOfTheProjectAreNoSlips) {
   std::size_t comments = 0;
