@@ -313,6 +313,17 @@ std::string of_house(std::string complaint) {
   return complaint;
 }
 
+/// What is said of words that a command does not take.
+std::string too_many(const CLI::App& command, const std::string& name) {
+  std::vector<std::string> taken;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->nonpositional()) continue;
+    taken.push_back(option->get_name(true) + (option->get_expected_max() > 1 ? "..." : ""));
+  }
+  return fmt::format("{}: not expected: {}; allowed: {}", name, fmt::join(command.remaining(), " "),
+                     taken.empty() ? "options alone" : fmt::format("{}", fmt::join(taken, " ")));
+}
+
 /// The complaints of all values, of which the parser tells the first: what it said, where that is
 /// none of them, and theirs.
 std::string with_other_values(CLI::App& command, const std::string& complaint) {
@@ -340,8 +351,12 @@ std::string usage_error(CLI::App& app, const CLI::ParseError& error) {
     command = command->get_subcommands().front();
     name += ' ' + command->get_name();
   }
-  const std::string complaint = of_house(error.what());
+  const bool extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  const std::string complaint = extra ? too_many(*command, name) : of_house(error.what());
   std::string missing, usage;
+  // Beside another complaint, which the parser has found before.
+  const std::string more =
+      extra || command->remaining().empty() ? "" : too_many(*command, name) + '\n';
   for (const CLI::Option* option : command->get_options()) {
     const std::string own = option->get_name(!option->nonpositional());
     const auto given = option->count();
@@ -365,8 +380,8 @@ std::string usage_error(CLI::App& app, const CLI::ParseError& error) {
           fmt::format("{}: {} without its value: {}\n", name, own, option->get_description());
     }
   }
-  if (missing.empty()) return with_other_values(*command, complaint);
-  return fmt::format("{}usage: {} [OPTIONS]{}\n", missing, name, usage);
+  if (missing.empty()) return more + with_other_values(*command, complaint);
+  return fmt::format("{}{}usage: {} [OPTIONS]{}\n", more, missing, name, usage);
 }
 
 FileKind file_kind(const CommandArgument& argument) {

@@ -11,6 +11,7 @@
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "io/files/actuator_file.hpp"
+#include "io/files/motion_log_file.hpp"
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::cli {
@@ -36,11 +37,23 @@ void refuse_other_options(const std::vector<std::string>& stated) {
   errors.raise();
 }
 
+/// The ACTUATOR; where it has errors, those of the logs with them.
+io::ActuatorFiles read_subject(const DiagnoseOptions& options) {
+  io::ActuatorFiles files;
+  io::CollectedErrors errors;
+  errors.attempt([&] { files = io::read_actuator(options.file); });
+  if (errors.any()) {
+    errors.attempt([&] { io::read_motion_logs(options.data, {.known = false}); });
+  }
+  errors.raise();
+  return files;
+}
+
 }  // namespace
 
 ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
   refuse_other_options(options.stated);
-  io::ActuatorFiles files = io::read_actuator(options.file);
+  io::ActuatorFiles files = read_subject(options);
   const app::DiagnoseMotionRequest request{.actuator = std::move(files.actuator),
                                            .source = options.file,
                                            .data = options.data,

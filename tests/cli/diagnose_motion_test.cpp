@@ -327,5 +327,26 @@ TEST(DiagnoseMotion, AClippedCurrentWithNoiseIsLeftOut) {
   EXPECT_NE(data.at("notes").dump().find("motor_current_a stays at its limit"), std::string::npos);
 }
 
+TEST(DiagnoseMotion, ErrorsOfTheActuatorAndOfLogsAreToldTogether) {
+  const test::Workplace place;
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = \"x\"\n"
+              "[gearbox]\nratio = 0.0\nefficiency_forward = 0.8\nefficiency_backward = 0.7\n");
+  std::string log = "# kind: dynamic\ntime_s,speed_rad_s,motor_current_a\n";
+  place.write("bad.csv", log + "0,1,few\n");
+  // Without errors but for what is held against the ACTUATOR, which is not known.
+  for (int k = 0; k < 60; ++k) log += std::to_string(0.01 * k) + ",1,2\n";
+  place.write("good.csv", log);
+  const test::ProgramResult run = place.run({"diagnose", "a.toml", "good.csv", "bad.csv"});
+  EXPECT_EQ(run.exit_code, 2);
+  for (const char* said :
+       {"a.toml:3:1: motor.torque_constant_nm_per_a = \"x\": allowed:",
+        "a.toml:5:1: gearbox.ratio = 0: allowed: a number, -1e+06 to 1e+06, but 0",
+        "bad.csv:3:5: motor_current_a = \"few\": allowed:"}) {
+    EXPECT_NE(run.err.find(said), std::string::npos) << said << '\n' << run.err;
+  }
+  EXPECT_EQ(run.err.find("good.csv"), std::string::npos) << run.err;
+}
+
 }  // namespace
 }  // namespace gear3k::diagnose_motion_test

@@ -50,6 +50,16 @@ TEST(RefusedUse, OptionsThatHaveNoEffectAreUsageErrors) {
              "--false-discovery-rate = 2: allowed: a number above 0, up to 0.5",
              "--min-sun-speed-rpm = -5: allowed: a finite number, 0 or more",
              "--max-output-torque-nm = few: allowed: a "}},
+           {{"map", "d.toml", "more.toml", "-q"},
+            1,
+            {"gear3k map: not expected: more.toml -q; allowed: DESIGN\n"}},
+           {{"simulate", "a.toml", "s.toml", "x", "--threads", "0"},
+            1,
+            {"gear3k simulate: not expected: x; allowed: ACTUATOR SCENARIO\n",
+             "--threads = 0: allowed:"}},
+           {{"completion", "x"},
+            1,
+            {"gear3k completion: not expected: x; allowed: options alone\n"}},
            {{"mesh", "p.toml", "--show", "masses"}, 1, {"unknown part masses"}}}) {
     const ProgramResult run = place.run(r.words);
     EXPECT_EQ(run.exit_code, r.exit_code) << run.err;

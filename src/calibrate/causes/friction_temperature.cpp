@@ -1,4 +1,5 @@
 #include "calibrate/causes/free_shape.hpp"
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_temperature {
@@ -29,11 +30,10 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
 std::vector<Form> forms(const Occasion& o) {
   if (o.kind != Kind::kTransmission || !tells_of_temperature(o)) return {};
   const auto form = [&](const char* name, double reference_K, double weight) {
-    constexpr double kCelsius = 273.15;
     return Form{.name = name,
                 .constants = {{.name = "reference_temperature",
                                .unit = "c",
-                               .value = reference_K - kCelsius}},
+                               .value = kTemperature.stated(reference_K)}},
                 .weight = weight};
   };
   const double span = o.temperature_K[1] - o.temperature_K[0];
@@ -53,8 +53,7 @@ std::vector<Form> forms(const Occasion& o) {
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
-  constexpr double kCelsius = 273.15;
-  const double reference_K = form.constant("reference_temperature") + kCelsius;
+  const double reference_K = kTemperature.si(form.constant("reference_temperature"));
   if (form.name == kDrag) {
     m.gearbox.drag_temperature_1_K = p[0];
     m.gearbox.drag_reference_temperature_K = reference_K;

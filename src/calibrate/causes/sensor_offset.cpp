@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::sensor_offset {
@@ -17,7 +18,6 @@ constexpr const char* kWarmingAnyZero = "by_temperature_any_zero";
 constexpr const char* kOutput = "output";
 /// The greatest zero error [Nm], an assumption; of the output's fit/row_gain.hpp tells.
 constexpr double kMostZero = 1.0;
-constexpr double kCelsius = 273.15;
 
 bool follows_temperature(const Form& form) {
   return form.name == kWarming || form.name == kWarmingAnyZero;
@@ -70,7 +70,7 @@ std::vector<Form> forms(const Occasion& o) {
     result.push_back({.name = name,
                       .constants = {{.name = "reference_temperature",
                                      .unit = "c",
-                                     .value = reference_K - kCelsius}},
+                                     .value = kTemperature.stated(reference_K)}},
                       .weight = weight});
   };
   add(kWarming, middle_K, 0.2);
@@ -93,7 +93,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
   if (condition.reference_sensor) return;
   if (form.name != kWarming) m.sensor_offset = m.sensor_offset + p.back();
   if (!follows_temperature(form) || !std::isfinite(condition.temperature_K)) return;
-  const double reference_K = form.constant("reference_temperature") + kCelsius;
+  const double reference_K = kTemperature.si(form.constant("reference_temperature"));
   m.sensor_offset = m.sensor_offset + p[0] * (condition.temperature_K - reference_K);
 }
 

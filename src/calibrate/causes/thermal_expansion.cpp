@@ -1,10 +1,10 @@
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::thermal_expansion {
 
 namespace {
 
-constexpr double kCelsius = 273.15;
 constexpr double kMicro = 1e-6;
 
 /// Of the housing less that of the gears.  The most that solids show is 200 (polyethylene;
@@ -26,7 +26,7 @@ std::vector<Form> forms(const Occasion& o) {
     return Form{.name = name,
                 .constants = {{.name = "reference_temperature",
                                .unit = "c",
-                               .value = reference_K - kCelsius}},
+                               .value = kTemperature.stated(reference_K)}},
                 .weight = weight};
   };
   const double middle = 0.5 * (o.temperature_K[0] + o.temperature_K[1]);
@@ -36,7 +36,7 @@ std::vector<Form> forms(const Occasion& o) {
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
   auto& e = m.gearbox.lost_motion;
   e.expansion_1_K = e.expansion_1_K + p[0] * kMicro;
-  e.reference_temperature_K = form.constant("reference_temperature") + kCelsius;
+  e.reference_temperature_K = kTemperature.si(form.constant("reference_temperature"));
 }
 
 }  // namespace

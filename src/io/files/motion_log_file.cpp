@@ -417,7 +417,8 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
         path, step));
   }
   constexpr double kOfTurn = 0.2;  // of steps between rows, which noise makes shorter
-  if (const auto turns = turns_of_motor(file, scale); turns && std::abs(*turns - 1.0) > kOfTurn) {
+  if (const auto turns = turns_of_motor(file, scale);
+      scale.known && turns && std::abs(*turns - 1.0) > kOfTurn) {
     file.complaints.add(
         {.line = file.header_line, .column = 1},
         fmt::format("{} turns {:.3g} times as far as the output times gearbox.ratio = {:g}: "
@@ -469,7 +470,7 @@ void add_log(const std::string& path, std::string_view text, const MotionLogScal
              calibrate::MotionRecord& record, CollectedErrors& errors) {
   LogFile file = read_log(without_mark(text));
   record.files.push_back(path);
-  if (file.complaints.none() && !file.place[kLogMotorTorque] &&
+  if (file.complaints.none() && scale.known && !file.place[kLogMotorTorque] &&
       !(scale.torque_constant_Nm_A > 0.0)) {
     file.complaints.add({.line = file.header_line, .column = 1},
                         "motor_current_a needs motor.torque_constant_nm_per_a, allowed: above 0");

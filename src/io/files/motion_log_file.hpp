@@ -14,6 +14,7 @@ struct MotionLogScale {
   double ratio = 1.0;                 ///< i, signed
   double torque_constant_Nm_A = 0.0;  ///< K_t
   double load_kgm2 = 0.0;             ///< unless the note `# load_inertia_kgm2:` states another
+  bool known = true;  ///< false: of an ACTUATOR with errors; logs are not held against it
 };
 
 /// Whether any of these files has the note `# kind: dynamic`; files that cannot be read have not.

@@ -248,7 +248,9 @@ void check_catalogue(const GearboxInput& in, FileReading& reading) {
     reading.error_at(key, fmt::format("{} is missing: allowed: a number, or gearbox.design", key));
   }
   if (reading.has("gearbox.ratio") && in.gearbox.ratio == 0.0) {
-    reading.error_at("gearbox.ratio", "gearbox.ratio = 0: allowed: any other number");
+    reading.error_at("gearbox.ratio",
+                     fmt::format("gearbox.ratio = 0: allowed: a number, {:g} to {:g}, but 0",
+                                 -kMostRatio, kMostRatio));
   }
   if (in.coulomb_Nm && in.backdriving_Nm && *in.coulomb_Nm > *in.backdriving_Nm) {
     reading.error_at("gearbox.coulomb_torque_nm",

@@ -113,6 +113,22 @@ TEST(Causes, HaveParametersThatMayBeNothing) {
   }
 }
 
+// Of readings of 25.3 and 44.122 C in a design of 20 C.
+TEST(Causes, ReferenceTemperaturesHaveTheDigitsOfTheData) {
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kTransmission);
+  MeasurementSet data = campaign(Kind::kTransmission);
+  for (std::size_t k = 0; k < data.rows.size(); ++k) {
+    data.rows[k].condition.temperature_K = (k % 2 == 0 ? 25.3 : 44.122) + 273.15;
+  }
+  std::set<double> found;
+  for (const Candidate& c : candidates_for(simulation, data)) {
+    for (const FormConstant& constant : c.form.constants) {
+      if (constant.name == "reference_temperature") found.insert(constant.value);
+    }
+  }
+  EXPECT_EQ(found, (std::set<double>{20.0, 25.3, 34.711, 44.122}));
+}
+
 TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
   const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kTransmission);
   const auto ids = [&](auto change) {
