@@ -216,6 +216,7 @@ WrittenFigures write_torque_angle(const AnalyzeOptions& options, const app::Anal
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
+  end_on_interrupt();
   app::AnalyzeRequest request{.design = {}, .model = {}, .source = options.file};
   io::CollectedErrors errors;
   errors.attempt([&] { request.design = io::read_design(options.file); });
@@ -227,7 +228,6 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
   warn(analysis.model_notes, options.quiet);
   WrittenFigures written;
   if (!options.figures.empty()) {
-    end_on_interrupt();
     written = write_torque_angle(options, analysis);
   }
   std::string text =
@@ -238,6 +238,7 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
 }
 
 ExitCode run_mesh(const AnalyzeOptions& options) {
+  end_on_interrupt();
   const app::MeshRequest request{.pair = io::read_pair(options.file), .source = options.file};
   refuse_replacing({options.file}, options.out);
   const design::PairEvaluation evaluation = app::mesh(request);
@@ -246,6 +247,7 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
 }
 
 ExitCode run_compare(const CompareOptions& options) {
+  end_on_interrupt();
   app::CompareRequest request;
   request.designs.reserve(options.files.size());
   io::CollectedErrors errors;
@@ -272,6 +274,7 @@ ExitCode run_compare(const CompareOptions& options) {
 }
 
 ExitCode run_search(const SearchOptions& options) {
+  end_on_interrupt();
   // Files state every set, the table the first ones.
   const app::SearchRequest request{.spec = io::read_specification(options.file),
                                    .most_ranked = options.format == Format::kTable
@@ -380,13 +383,13 @@ WrittenFigures write_figures(const ReproduceOptions& options,
 }  // namespace
 
 ExitCode run_reproduce(const ReproduceOptions& options) {
+  end_on_interrupt();
   refuse_replacing({}, options.out, options.figures);
   use_threads(options);
   const papers::PublishedSources sources = papers::published_sources();
   const papers::Reproduction reproduction = papers::reproduce(sources);
   WrittenFigures written;
   if (!options.figures.empty()) {
-    end_on_interrupt();
     written = write_figures(options, sources, reproduction);
   }
   switch (options.format) {
@@ -539,6 +542,7 @@ void write_exports(const Exports& exports, const ExportOptions& options) {
 }  // namespace
 
 ExitCode run_export(const ExportOptions& options) {
+  end_on_interrupt();
   use_threads(options);
   const Exports exports =
       std::visit([&](const auto& subject) { return exports_of(subject, options); },

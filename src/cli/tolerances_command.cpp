@@ -42,6 +42,7 @@ app::Tolerances shown(const app::TolerancesRequest& request, bool quiet) {
 }  // namespace
 
 ExitCode run_tolerances(const TolerancesOptions& options) {
+  end_on_interrupt();
   use_threads(options);
   const app::TolerancesRequest request = request_of(options);
   std::optional<ResultFolder> folder;

@@ -1,6 +1,7 @@
 // Options and values that would have no effect, or another one than they say, are told.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -117,6 +118,35 @@ TEST(RefusedUse, FoldersInThePlaceOfFilesThatAKeyNames) {
     EXPECT_NE(run.err.find("a.toml:5:1: gearbox.design: folder: is a directory, allowed: a file"),
               std::string::npos)
         << run.err;
+  }
+}
+
+// While a pipe that nobody writes to is read.
+TEST(RefusedUse, CommandsThatAreInterruptedSayThatNothingIsKept) {
+  const Workplace place;
+  ASSERT_EQ(::mkfifo(place.file("pipe").c_str(), 0600), 0);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"analyze", "pipe"},
+                                                {"mesh", "pipe"},
+                                                {"compare", "pipe", "pipe"},
+                                                {"export", "pipe", "--dxf", "out"},
+                                                {"map", "pipe", "--out", "out"},
+                                                {"search", "pipe"},
+                                                {"actuator", "pipe"},
+                                                {"actuator", "--select", "pipe", "--out", "out"},
+                                                {"simulate", "pipe", "pipe", "--out", "out"},
+                                                {"diagnose", "pipe", "pipe"},
+                                                {"tolerances", "pipe", "--out", "out"}}) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      test::RunningProgram program = place.start(words);
+      ASSERT_TRUE(program.wait_until_it_catches(signal, std::chrono::seconds(20))) << words[0];
+      program.send(signal);
+      const auto result = program.wait(std::chrono::seconds(20));
+      ASSERT_TRUE(result.has_value()) << words[0];
+      EXPECT_EQ(result->exit_code, 130) << words[0];
+      EXPECT_EQ(result->err, "interrupted: nothing is kept\n") << words[0];
+      EXPECT_EQ(result->out, "") << words[0];
+      EXPECT_EQ(place.listing(), std::vector<std::string>{"pipe"}) << words[0];
+    }
   }
 }
 
