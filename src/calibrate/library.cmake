@@ -92,6 +92,8 @@ gear3k_library(calibrate
     measurement/loop_observations.cpp
     measurement/loop_friction.cpp
     measurement/loop_reading.cpp
+    measurement/marked_together.cpp
+    measurement/power_excess.cpp
     measurement/sensor_limit.cpp
     model/law_doubt.cpp
     model/model_range.cpp

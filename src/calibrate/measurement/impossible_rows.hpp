@@ -8,17 +8,18 @@
 
 namespace gear3k::calibrate {
 
-/// Leaves out rows that give more power than they take, and names them in the notes: transmission
-/// above efficiency 1 at this ratio, pair_loss below 0.
+/// Leaves out rows that give more power than they take (PowerExcess), and names them in the notes:
+/// transmission above efficiency 1 at this ratio, pair_loss below 0.
 ///
-///   forward  T_sun < T_out/|i|,  backward  T_sun > T_out/|i|
-///
-/// by more than 3 standard deviations and more than 1 % of T_out/|i| (pair_loss: of 1).  Where the
-/// rows state no sigma it is estimated from the scatter of neighbours in load, which repeats are
-/// too.  Rows of transmission that fall together into one session, direction, load, speed or
-/// twelfth of a turn stay and are noted: where readings are impossible together a sensor is wrong,
-/// or the gearbox there, and they are what tells it from friction.  Other kinds: nothing.
-/// @returns what is wrong where they are more than 20 % of the rows, which then stay
+/// Rows of transmission that fall together (marked_together()) stay and are noted, and with them
+/// those of their directions and rotations that are off by no more: where readings are impossible
+/// together a sensor is wrong, or the gearbox there, and they are what tells it from friction.  So
+/// do those of few rows where one gain or zero of a sensor, up to a fifth, makes all possible.
+/// Other kinds: nothing.
+/// @returns what is wrong where more than 20 % of the rows are impossible, which then stay, and
+///   fall together in nothing, are possible once forward and backward are exchanged (in all of the
+///   set, one session or one file), or are off by more than a fifth of the greatest response that
+///   the loads would give without loss; pair_loss: where they are more than 20 %
 /// @throws std::invalid_argument when ratio is not a finite number other than 0 (transmission)
 [[nodiscard]] std::optional<std::string> leave_out_impossible(MeasurementSet& set, double ratio);
 

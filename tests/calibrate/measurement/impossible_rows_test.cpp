@@ -8,6 +8,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gear3k::calibrate::impossible_rows_test {
@@ -234,6 +235,176 @@ TEST(ImpossibleRows, OfTwoLoadsStayOneBesideTheOther) {
   EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
   EXPECT_EQ(set.rows.size(), 119U);
   EXPECT_EQ(set.notes.size(), 3U);
+}
+
+/// As a torque sensor of this gain and zero reads it.  Its own sign turns with the rotation and, as
+/// the power goes the other way, with the direction.
+MeasurementSet read_by(double gain, double zero_Nm, double noise_Nm, unsigned seed) {
+  MeasurementSet set = campaign(noise_Nm, seed);
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    Observation& o = set.rows[k];
+    o.condition.rotation = k / 8 % 2 == 0 ? 1 : -1;
+    const double own_sign =
+        o.condition.rotation * (o.condition.direction == Direction::kForward ? 1.0 : -1.0);
+    const double applied_Nm = own_sign * o.response;
+    o.response = own_sign * (gain * applied_Nm + zero_Nm);
+  }
+  return set;
+}
+
+void exchange(Observation& o) {
+  o.condition.direction =
+      o.condition.direction == Direction::kForward ? Direction::kBackward : Direction::kForward;
+}
+
+void state_sigma(MeasurementSet& set, double sigma_Nm) {
+  for (Observation& o : set.rows) o.sigma = sigma_Nm;
+}
+
+/// Rows of an efficiency above 1.01, by its definition.
+std::size_t impossible_rows_of(const MeasurementSet& set) {
+  std::size_t count = 0;
+  for (const Observation& o : set.rows) {
+    const double in_Nm = kRatio * o.response, out_Nm = o.condition.output_torque_Nm;
+    const bool forward = o.condition.direction == Direction::kForward;
+    if ((forward ? out_Nm / in_Nm : in_Nm / out_Nm) > 1.01) ++count;
+  }
+  return count;
+}
+
+/// More than a fifth of the rows are impossible, every row stays, and the first note says why.
+void expect_stay(MeasurementSet set, const std::string& part) {
+  const std::size_t rows = set.rows.size();
+  ASSERT_GT(5U * impossible_rows_of(set), rows);
+  EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+  EXPECT_EQ(set.rows.size(), rows);
+  ASSERT_FALSE(set.notes.empty());
+  EXPECT_NE(set.notes[0].find(part), std::string::npos) << set.notes[0];
+}
+
+TEST(ImpossibleRows, OfOneRotationStayAsTheZeroOfASensorMakesThem) {
+  expect_stay(read_by(1.0, 0.06, 0.001, 1), "of rotation -1: they stay");
+  expect_stay(read_by(1.0, -0.06, 0.001, 1), "of rotation 1: they stay");
+}
+
+TEST(ImpossibleRows, OfOneDirectionStayAsTheGainOfASensorMakesThem) {
+  expect_stay(read_by(0.82, 0.0, 0.001, 1), "of direction forward: they stay");
+  expect_stay(read_by(1.25, 0.0, 0.001, 1), "of direction backward: they stay");
+}
+
+TEST(ImpossibleRows, OfADirectionOfMoreThanHalfOfTheRowsStay) {
+  MeasurementSet set = read_by(0.82, 0.0, 0.001, 1);
+  std::vector<Observation> most;
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    if (k % 2 == 0 || k % 3 == 0) most.push_back(set.rows[k]);
+  }
+  set.rows = most;
+  set.covariates.clear();
+  expect_stay(set, "of direction forward: they stay");
+}
+
+TEST(ImpossibleRows, OfATemperatureAndARotationStay) {
+  // The zero goes with the temperature, and is right between the two.
+  MeasurementSet warm = read_by(1.0, 0.07, 0.001, 1);
+  const MeasurementSet cold = read_by(1.0, -0.07, 0.001, 1);
+  for (std::size_t k = 0; k < warm.rows.size(); ++k) {
+    const bool is_warm = k / 40 % 2 == 0;
+    if (!is_warm) warm.rows[k] = cold.rows[k];
+    warm.rows[k].condition.temperature_K = is_warm ? 330.0 : 290.0;
+  }
+  state_sigma(warm, 0.001);
+  expect_stay(warm, "rotation ");
+}
+
+TEST(ImpossibleRows, OfBothDirectionsStayWhereTheyFallWithTheLoad) {
+  // No rotation is stated, and both directions are off as if they were exchanged; but the zero of a
+  // sensor matters the less the greater the load.  0.09 Nm are more than is lost at any load.
+  for (const double zero_Nm : {0.05, 0.09}) {
+    MeasurementSet set = campaign(0.001, 1);
+    for (Observation& o : set.rows) {
+      o.response += o.condition.direction == Direction::kForward ? -zero_Nm : zero_Nm;
+    }
+    expect_stay(set, "they stay");
+  }
+}
+
+TEST(ImpossibleRows, OfFewRowsStayWhereOneGainMakesAllPossible) {
+  MeasurementSet set = read_by(0.84, 0.0, 0.0, 1);
+  set.rows.resize(7);
+  set.covariates.clear();
+  state_sigma(set, 1e-4);
+  expect_stay(set, "as one wrong gain of a torque sensor");
+}
+
+TEST(ImpossibleRows, OfFewRowsStayWhereOneSessionHasAWrongZero) {
+  // Forward only, three of twelve rows, at the low loads of the second session.
+  MeasurementSet set = campaign(0.0, 1);
+  std::erase_if(set.rows, [](const Observation& o) { return o.line % 2 == 0; });
+  set.rows.resize(12);
+  set.covariates.clear();
+  set.runs = {"mon", "tue"};
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    set.rows[k].condition.run = k < 7 ? 0 : 1;
+    if (k >= 7) set.rows[k].response -= 0.055;
+  }
+  state_sigma(set, 1e-4);
+  expect_stay(set, "as one wrong zero in session tue of a torque sensor");
+}
+
+TEST(ImpossibleRows, SingleErrorsBesideThoseOfASensorAreLeftOut) {
+  MeasurementSet set = read_by(1.0, 0.06, 0.001, 1);
+  // Of the rotation that the zero leaves possible, at 50 Nm.
+  ASSERT_EQ(set.rows[54].condition.rotation, 1);
+  set.rows[54].response *= 0.5;   // forward
+  set.rows[55].response *= 10.0;  // backward
+  EXPECT_EQ(leave_out_impossible(set, kRatio), std::nullopt);
+  EXPECT_EQ(set.rows.size(), 118U);
+  ASSERT_EQ(set.notes.size(), 2U);
+  EXPECT_EQ(set.notes[1],
+            "data.csv: lines 57, 58: rows left out, efficiency above 1 beyond the noise");
+}
+
+TEST(ImpossibleRows, ManyScatteredErrorsAreRefused) {
+  // A third of the rows state the wrong direction.
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    MeasurementSet set = read_by(1.0, 0.0, 0.001, seed);
+    state_sigma(set, 0.001);
+    std::mt19937 generator(seed);
+    for (Observation& o : set.rows) {
+      if (generator() % 3 == 0) exchange(o);
+    }
+    ASSERT_GT(5U * impossible_rows_of(set), set.rows.size());
+    EXPECT_NE(error_of(set, kRatio), "") << seed;
+  }
+}
+
+TEST(ImpossibleRows, ExchangedDirectionsAreRefusedWhereNoiseHidesThemAtLowLoads) {
+  // At 5 Nm less is lost than noise may do: impossible together are those of greater loads.
+  MeasurementSet set = campaign(0.003, 1);
+  for (Observation& o : set.rows) exchange(o);
+  state_sigma(set, 0.003);
+  const std::string error = error_of(set, kRatio);
+  EXPECT_NE(error.find("forward and backward swapped, is"), std::string::npos) << error;
+}
+
+TEST(ImpossibleRows, ExchangedDirectionsOfOneSessionAreRefusedAndNamed) {
+  MeasurementSet set = campaign(0.001, 1);
+  set.runs = {"mon", "tue"};
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    set.rows[k].condition.run = k < 60 ? 0 : 1;
+    if (k >= 60) exchange(set.rows[k]);
+  }
+  state_sigma(set, 0.001);
+  const std::string error = error_of(set, kRatio);
+  EXPECT_NE(error.find("forward and backward swapped (session tue)"), std::string::npos) << error;
+}
+
+TEST(ImpossibleRows, ExchangedColumnsOfTorqueAreRefused) {
+  // All backward rows give 1e4 times too much, and no other: no sensor does.
+  MeasurementSet set = campaign(0.001, 1);
+  for (Observation& o : set.rows) std::swap(o.condition.output_torque_Nm, o.response);
+  const std::string error = error_of(set, kRatio);
+  EXPECT_NE(error.find("in 60 of 120 rows"), std::string::npos) << error;
 }
 
 }  // namespace
