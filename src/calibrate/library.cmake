@@ -50,6 +50,7 @@ gear3k_library(calibrate
     loops/loop_creep.cpp
     loops/torque_angle_loop.cpp
     loops/torque_branch.cpp
+    loops/zero_before_jump.cpp
     loops/zero_phase_filter.cpp
     measurement/blank_conditions.cpp
     measurement/covariate_levels.cpp

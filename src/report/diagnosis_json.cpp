@@ -241,12 +241,15 @@ io::Json loop_json(const calibrate::SessionLoop& one, const calibrate::LoopSessi
                    const MeasurementSet& set) {
   const auto file = static_cast<std::size_t>(session.file);
   const calibrate::Loop& loop = one.loop;
-  io::Json json{{"file", file < set.files.size() ? set.files[file] : ""},
-                {"run", text_or_null(session.run)},
-                {"loop", one.number},
-                {"measured_at", session.sun_locked ? "output" : "sun"},
-                {"lost_motion_arcmin", arcmin(loop.lost_motion_rad)},
-                {"lost_motion_sd_arcmin", positive_or_null(arcmin(loop.lost_motion_sd_rad))}};
+  const bool at_zero = loop.outcome == calibrate::LoopOutcome::kMeasured;
+  const double sd_rad = at_zero ? loop.lost_motion_sd_rad : 0.0;
+  io::Json json{
+      {"file", file < set.files.size() ? set.files[file] : ""},
+      {"run", text_or_null(session.run)},
+      {"loop", one.number},
+      {"measured_at", session.sun_locked ? "output" : "sun"},
+      {"lost_motion_arcmin", at_zero ? io::Json(arcmin(loop.lost_motion_rad)) : io::Json(nullptr)},
+      {"lost_motion_sd_arcmin", positive_or_null(arcmin(sd_rad))}};
   add_stiffness(json, "positive", loop.stiffness_positive);
   add_stiffness(json, "negative", loop.stiffness_negative);
   json["asymmetry"] = loop.asymmetry;

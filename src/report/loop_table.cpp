@@ -52,7 +52,9 @@ std::string loop_table(const MeasurementSet& set) {
     const std::string name = session_name(session, set);
     for (const auto& [number, loop] : session.loops) {
       table.add({name, session.sun_locked ? "output" : "sun", fmt::format("{}", number),
-                 deviation_text(arcmin(loop.lost_motion_rad), arcmin(loop.lost_motion_sd_rad)),
+                 loop.outcome == calibrate::LoopOutcome::kMeasured
+                     ? deviation_text(arcmin(loop.lost_motion_rad), arcmin(loop.lost_motion_sd_rad))
+                     : "-",
                  stiffness_text(loop.stiffness_positive), stiffness_text(loop.stiffness_negative),
                  loop.asymmetry ? fmt::format("{} %", fixed(percent(*loop.asymmetry), 1)) : "-"});
     }

@@ -389,6 +389,17 @@ TEST(DiagnosisTable, TellsEachLoopWithItsStiffnessAndHowItsRecordWasRead) {
   EXPECT_FALSE(contains(two_kinds().table(), "Loops"));
 }
 
+TEST(DiagnosisTable, ALoopThatIsNotToldAtZeroTorqueHasNoLostMotion) {
+  Case c = looped();
+  c.sets[1].loops[0].loops[0].loop.outcome = calibrate::LoopOutcome::kAtEdge;
+  EXPECT_FALSE(contains(c.table(), "25.00 ± 0.25")) << c.table();
+  EXPECT_TRUE(contains(c.table(), "5000 ± 12")) << c.table();
+  const json loop = c.as_json().at("kinds").at(1).at("loops").at(0);
+  EXPECT_TRUE(loop.at("lost_motion_arcmin").is_null()) << loop;
+  EXPECT_TRUE(loop.at("lost_motion_sd_arcmin").is_null()) << loop;
+  EXPECT_EQ(loop.at("stiffness_positive_nm_per_rad"), 5000.0);
+}
+
 TEST(DiagnosisTable, WithoutCreepOrTimeLittleIsSaidOfARecord) {
   Case c = looped();
   c.sets[1].loops[0].creep.reset();

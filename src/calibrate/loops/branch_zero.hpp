@@ -17,6 +17,7 @@ struct BranchZero {
   CorrelatedNoise noise;             ///< of the angle, that of the torque turned into angle [rad²]
   double noise_variance_rad2 = 0.0;  ///< of the angle at zero torque
   double variance_rad2 = 0.0;        ///< with the spread of several passages, evenly distributed
+  bool at_edge = false;              ///< the record does not tell it: see zeros_before_jumps()
 };
 
 /// Angle at zero torque of the filtered branch and its variance.

@@ -69,10 +69,15 @@ LeftOutSpectrum left_out_spectrum(double cutoff_per_sample) {
 }
 
 CorrelatedNoise noise_of_left_out(const std::vector<double>& left_out,
-                                  const LeftOutSpectrum& spectrum) {
+                                  const LeftOutSpectrum& spectrum, double shown) {
   const LagCovariance c = covariance(left_out);
   if (!(c.lag0 > 0.0)) return {};
   const double wanted = c.lag1 / c.lag0;
+  const LagCovariance white = remaining_covariance(spectrum, 0.0);
+  if (std::abs(wanted - white.lag1 / white.lag0) <
+      shown / std::sqrt(static_cast<double>(left_out.size()))) {
+    return {.variance = c.lag0 / white.lag0, .correlation = 0.0};
+  }
   double low = -kStrongestCorrelation;
   double high = kStrongestCorrelation;
   for (int i = 0; i < 40; ++i) {

@@ -47,9 +47,11 @@ LeftOutSpectrum left_out_spectrum(double cutoff_per_sample);
 /// power; σ² and φ are those that give the samples' variance and covariance at lag 1 (bisection
 /// over |φ| ≤ 0.95). Source: own derivation, docs/theory §31 (uncertainty). Valid: a signal
 /// whose own features pass the filter.
+/// @param shown  correlation counts where that at lag 1 is by so many deviations of white noise,
+///     1/√n, off white noise's: a filter that leaves little of the noise hides it
 /// @returns variance 0 where the samples are all 0
 CorrelatedNoise noise_of_left_out(const std::vector<double>& left_out,
-                                  const LeftOutSpectrum& spectrum);
+                                  const LeftOutSpectrum& spectrum, double shown = 0.0);
 
 /// The noise of the residuals of a least-squares line with so many parameters: variance over n less
 /// parameters, correlation at lag 1 within ±0.95.

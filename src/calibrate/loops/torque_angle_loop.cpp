@@ -13,6 +13,7 @@
 #include "calibrate/loops/loop_closing.hpp"
 #include "calibrate/loops/loop_creep.hpp"
 #include "calibrate/loops/torque_branch.hpp"
+#include "calibrate/loops/zero_before_jump.hpp"
 #include "calibrate/loops/zero_phase_filter.hpp"
 #include "numerics/median.hpp"
 
@@ -45,6 +46,7 @@ BranchedRecord branch_record(FilteredRecord filtered, const std::vector<std::siz
   for (const Branch& branch : r.branches) {
     r.zeros.push_back(find_branch_zero(r.filtered, branch, zero_reach_fraction));
   }
+  r.zeros = zeros_before_jumps(r.filtered, r.branches, std::move(r.zeros));
   const auto [low, high] = std::minmax_element(curve.angle_rad.begin(), curve.angle_rad.end());
   r.rounding_rad = kRoundingFraction * (*high - *low);
   return r;
@@ -118,6 +120,7 @@ LoopOutcome judge(const BranchedRecord& r, const LoopOptions& options, std::size
                     r.rounding_rad})) {
     outcome = LoopOutcome::kDependsOnFilter;
   }
+  if (one.at_edge || two.at_edge) outcome = LoopOutcome::kAtEdge;
   const double spread = std::max(one.at->spread_rad, two.at->spread_rad);
   const double noise = std::sqrt(std::max(one.noise_variance_rad2, two.noise_variance_rad2));
   if (spread >
@@ -272,6 +275,8 @@ std::string_view loop_outcome_text(LoopOutcome outcome) {
       return "the torque rests at zero, or passes it more than once, over an angle";
     case LoopOutcome::kDependsOnFilter:
       return "the lost motion depends on the filter's cut-off";
+    case LoopOutcome::kAtEdge:
+      return "zero torque is too near to the dead band's edge";
   }
   throw std::invalid_argument("unknown LoopOutcome");
 }
@@ -284,6 +289,39 @@ std::string_view record_outcome_text(RecordOutcome outcome) {
       return "fewer samples than the filter needs";
     case RecordOutcome::kTooFewReversals:
       return "the torque never turns";
+  }
+  throw std::invalid_argument("unknown RecordOutcome");
+}
+
+std::string_view loop_outcome_remedy(LoopOutcome outcome) {
+  switch (outcome) {
+    case LoopOutcome::kMeasured:
+      return "";
+    case LoopOutcome::kPartialBranch:
+      return "go on for another full loop, or begin at the peak torque";
+    case LoopOutcome::kZeroNotCrossed:
+      return "lead the torque through zero to both sides, and check its offset";
+    case LoopOutcome::kTooFewSamples:
+      return "sample faster or turn slower: 200 samples per loop and more";
+    case LoopOutcome::kDoesNotClose:
+      return "look for creep, slip or a moved sensor, or let it settle before";
+    case LoopOutcome::kZeroAmbiguous:
+      return "lead the torque steadily through zero, without a rest there";
+    case LoopOutcome::kDependsOnFilter:
+    case LoopOutcome::kAtEdge:
+      return "sample faster about zero torque";
+  }
+  throw std::invalid_argument("unknown LoopOutcome");
+}
+
+std::string_view record_outcome_remedy(RecordOutcome outcome) {
+  switch (outcome) {
+    case RecordOutcome::kLoops:
+      return "";
+    case RecordOutcome::kTooFewSamples:
+      return "sample faster or turn slower: 200 samples per loop and more";
+    case RecordOutcome::kTooFewReversals:
+      return "lead the torque to and fro, for two reversals and more";
   }
   throw std::invalid_argument("unknown RecordOutcome");
 }

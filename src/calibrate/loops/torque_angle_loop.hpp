@@ -49,10 +49,14 @@ enum class LoopOutcome {
   kDoesNotClose,     ///< first and last angle differ: creep, slip or a moved sensor
   kZeroAmbiguous,    ///< the torque rests at zero, or passes it more than once, over an angle
   kDependsOnFilter,  ///< zero torque lies where the filter smooths a jump of the angle
+  kAtEdge,           ///< zero torque is too near to the dead band's edge for the record to tell it
 };
 
 /// In words.
 std::string_view loop_outcome_text(LoopOutcome outcome);
+
+/// What would make it kMeasured; empty for that.
+std::string_view loop_outcome_remedy(LoopOutcome outcome);
 
 /// Slope of a loading flank.
 struct FlankStiffness {
@@ -72,8 +76,8 @@ struct TravelAtTorque {
 
 /// A falling branch and the rising branch next to it.
 ///
-/// Lost motion and angles at zero torque are set for kMeasured, kDoesNotClose, kZeroAmbiguous and
-/// kDependsOnFilter and 0 otherwise; only kMeasured is to be trusted.
+/// Lost motion and angles at zero torque are set for kMeasured, kDoesNotClose, kZeroAmbiguous,
+/// kDependsOnFilter and kAtEdge and 0 otherwise; only kMeasured is to be trusted.
 struct Loop {
   LoopOutcome outcome = LoopOutcome::kMeasured;
   bool falling_first = true;
@@ -87,7 +91,7 @@ struct Loop {
   double lost_motion_rad = 0.0;
   double lost_motion_sd_rad = 0.0;            ///< one standard deviation
   double extrapolated_torque_Nm = 0.0;        ///< by which a branch ended short of zero
-  double change_at_double_cutoff_rad = 0.0;   ///< of the lost motion
+  double change_at_double_cutoff_rad = 0.0;   ///< of the lost motion, as far as it is filtered
   std::optional<double> closing_error_rad{};  ///< last less first angle, at the same torque
   std::optional<FlankStiffness> stiffness_positive{}, stiffness_negative{};
   std::optional<double> asymmetry{};  ///< (k₊ - k₋)/((k₊ + k₋)/2)
@@ -109,6 +113,9 @@ enum class RecordOutcome {
 /// In words.
 std::string_view record_outcome_text(RecordOutcome outcome);
 
+/// What would make it kLoops; empty for that.
+std::string_view record_outcome_remedy(RecordOutcome outcome);
+
 struct LoopAnalysis {
   RecordOutcome outcome = RecordOutcome::kLoops;
   double cutoff_per_sample = 0.0;  ///< of one pass, in cycles per sample
@@ -127,7 +134,8 @@ struct LoopAnalysis {
 /// so that a straight flank stays on its own line however unevenly it was sampled, and the noise of
 /// neighbouring samples stays independent (resampling would correlate it).
 /// Lost motion as in the low-backlash paper, section V.A: difference of the two angles where the
-/// filtered torque is zero.  Includes the hysteresis of friction.
+/// filtered torque is zero, or zeros_before_jumps() where the dead band's jump is too near for the
+/// filter.  Includes the hysteresis of friction.
 /// Not seen: a dead band that the torque crosses without friction (both branches then agree at
 /// zero torque; see Loop::travel), and noise slower than the filter.
 /// Source: docs/theory §31.

@@ -166,10 +166,12 @@ CommonLoops common_of(const std::vector<LoopReading>& loops) {
   constexpr std::size_t kFewestTravels = 3;
   CommonLoops common;
   std::size_t most = kFewestTravels;
-  for (const LoopReading& loop : loops) most = std::max(most, loop.travel.size());
+  for (const LoopReading& loop : loops) {
+    if (loop.tells_zero) most = std::max(most, loop.travel.size());
+  }
   std::vector<LoopPoints> points;
   for (std::size_t k = 0; k < loops.size(); ++k) {
-    if (loops[k].travel.size() != most) continue;
+    if (!loops[k].tells_zero || loops[k].travel.size() != most) continue;
     points.push_back(loop_points(loops[k]));
     if (points.back().torque != points.front().torque) {
       points.pop_back();

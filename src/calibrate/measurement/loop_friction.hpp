@@ -32,7 +32,8 @@ struct FrictionShare {
 /// One gearbox has one friction: T_f is that of all loops unless their openings differ (χ² at
 /// 0.1 %; curvature drops out, as it is in all of them).  Then a loop's own is
 /// T_f + s (o − ō)/(do/dT_f), s = τ²/(τ² + v) with the variance τ² between loops, and 0 where that
-/// is not beyond 3 of its deviations √(s v).  A loop that is read at fewer torques has that of all.
+/// is not beyond 3 of its deviations √(s v).  A loop that is read at fewer torques, or not at zero,
+/// has that of all.
 ///
 /// Source: own derivation, docs/theory §31 (friction); τ²: R. DerSimonian, N. Laird (1986),
 /// Control. Clin. Trials 7, 177.  Bounds of h: below, what is plausible of the cause `compliance`;

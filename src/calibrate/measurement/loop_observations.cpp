@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "calibrate/loops/zero_phase_filter.hpp"
@@ -153,7 +154,7 @@ double zero_scatter(const Session& session, const std::vector<UsedLoop>& used,
   constexpr double kMostRatio = 3.0;
   std::vector<double> zero, travel;
   for (std::size_t k = 0; k < used.size(); ++k) {
-    if (used[k].session != &session) continue;
+    if (used[k].session != &session || !readings[k].tells_zero) continue;
     zero.push_back(readings[k].zero_variance_rad2);
     for (const TravelReading& one : readings[k].travel) travel.push_back(one.variance_rad2);
   }
@@ -183,8 +184,70 @@ std::vector<LoopAnalysis> analyses_of(const std::vector<Session>& sessions) {
   return analyses;
 }
 
-/// The loops of all sessions that were measured, each sample in one of them; what is left out is
-/// counted and named in `result`, and what is used told by its sessions.
+/// Whether a loop that is not measured at zero torque is so between its loading flanks.
+bool tells_travel(const Loop& loop) {
+  const bool zero_only = loop.outcome == LoopOutcome::kAtEdge ||
+                         loop.outcome == LoopOutcome::kDependsOnFilter ||
+                         loop.outcome == LoopOutcome::kZeroAmbiguous;
+  return zero_only && !loop.travel.empty();
+}
+
+/// Places of the loops that are used, in order, each sample in one of them: those that are measured
+/// at zero torque go first.
+std::vector<std::size_t> used_places(const std::vector<Loop>& loops) {
+  std::vector<std::size_t> places;
+  const auto is_free = [&](const Loop& loop) {
+    return std::ranges::all_of(places, [&](std::size_t other) {
+      return loop.first_sample >= loops[other].last_sample ||
+             loop.last_sample <= loops[other].first_sample;
+    });
+  };
+  for (const bool at_zero : {true, false}) {
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+      const bool usable =
+          at_zero ? loops[k].outcome == LoopOutcome::kMeasured : tells_travel(loops[k]);
+      if (usable && is_free(loops[k])) places.push_back(k);
+    }
+  }
+  std::ranges::sort(places);
+  return places;
+}
+
+void add_remedy(std::string_view remedy, LoopObservations& result) {
+  if (!remedy.empty() && std::ranges::find(result.remedies, remedy) == result.remedies.end()) {
+    result.remedies.emplace_back(remedy);
+  }
+}
+
+/// What is left out of the loops of a session, with the reason.
+void add_left_out(const std::string& session, const std::vector<Loop>& loops,
+                  const std::vector<std::size_t>& places, LoopObservations& result) {
+  std::vector<std::pair<LoopOutcome, std::vector<std::size_t>>> without_zero;
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    const LoopOutcome outcome = loops[k].outcome;
+    if (outcome == LoopOutcome::kMeasured) continue;
+    if (!tells_travel(loops[k])) {
+      ++result.refused;
+      result.notes.push_back(
+          fmt::format("{}: loop {} left out: {}", session, k + 1, loop_outcome_text(outcome)));
+      add_remedy(loop_outcome_remedy(outcome), result);
+      continue;
+    }
+    if (std::ranges::find(places, k) == places.end()) continue;
+    auto group =
+        std::ranges::find_if(without_zero, [&](const auto& g) { return g.first == outcome; });
+    if (group == without_zero.end()) group = without_zero.insert(group, {outcome, {}});
+    group->second.push_back(k + 1);
+  }
+  for (const auto& [outcome, numbers] : without_zero) {
+    result.notes.push_back(fmt::format(
+        "{}: loop{} {}: test torque 0 left out, the travel under load is used: {}", session,
+        numbers.size() == 1 ? "" : "s", fmt::join(numbers, ", "), loop_outcome_text(outcome)));
+  }
+}
+
+/// The loops of all sessions that are used; what is left out is counted and named in `result`, and
+/// what is used told by its sessions.
 std::vector<UsedLoop> used_loops(const std::vector<Session>& sessions,
                                  const std::vector<LoopAnalysis>& analyses,
                                  LoopObservations& result) {
@@ -196,6 +259,7 @@ std::vector<UsedLoop> used_loops(const std::vector<Session>& sessions,
       ++result.refused;
       result.notes.push_back(fmt::format("{}: no loop: {}", session_text(sessions[s]),
                                          record_outcome_text(analysis.outcome)));
+      add_remedy(record_outcome_remedy(analysis.outcome), result);
       continue;
     }
     LoopSession found{.file = sessions[s].file,
@@ -203,21 +267,14 @@ std::vector<UsedLoop> used_loops(const std::vector<Session>& sessions,
                       .sun_locked = sessions[s].sun_locked,
                       .cutoff_Hz = analysis.cutoff_Hz,
                       .creep = analysis.creep};
-    found.loops.reserve(analysis.loops.size());
-    std::size_t free_from = 0;
-    for (std::size_t k = 0; k < analysis.loops.size(); ++k) {
+    const std::vector<std::size_t> places = used_places(analysis.loops);
+    found.loops.reserve(places.size());
+    for (const std::size_t k : places) {
       const Loop& loop = analysis.loops[k];
-      if (loop.outcome != LoopOutcome::kMeasured) {
-        ++result.refused;
-        result.notes.push_back(fmt::format("{}: loop {} left out: {}", session_text(sessions[s]),
-                                           k + 1, loop_outcome_text(loop.outcome)));
-        continue;
-      }
-      if (loop.first_sample < free_from) continue;
-      free_from = loop.last_sample;
       used.push_back({.session = &sessions[s], .loop = &loop, .record = &analysis});
       found.loops.push_back({.number = static_cast<int>(k) + 1, .loop = loop});
     }
+    add_left_out(session_text(sessions[s]), analysis.loops, places, result);
     if (!found.loops.empty()) result.sessions.push_back(std::move(found));
   }
   return used;
@@ -245,8 +302,9 @@ std::vector<Observation> rows_of_loop(const UsedLoop& used, const LoopReading& r
   row.response = reading.zero_rad - share.zero_rad;
   row.scatter = scatter;
   row.sigma = sigma(reading.zero_variance_rad2);
-  std::vector<Observation> rows{row};
+  std::vector<Observation> rows;
   rows.reserve(1 + reading.travel.size());
+  if (reading.tells_zero) rows.push_back(row);
   row.scatter = 1.0;
   for (std::size_t k = 0; k < reading.travel.size(); ++k) {
     const TravelReading& travel = reading.travel[k];
@@ -287,11 +345,17 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
         rows_of_loop(used[u], readings[u], shares[u], scatter, used.size() > 1);
     result.rows.insert(result.rows.end(), rows.begin(), rows.end());
   }
+  const bool at_zero = std::ranges::any_of(readings, &LoopReading::tells_zero);
   result.notes.push_back(
-      fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} N m", used.size(),
-                  used.size() == 1 ? "" : "s", kTravelFractions.back() * peak));
+      fmt::format("{} loop{} read as lost motion at test torques {:.4g} to {:.4g} N m", used.size(),
+                  used.size() == 1 ? "" : "s", at_zero ? 0.0 : kTravelFractions.front() * peak,
+                  kTravelFractions.back() * peak));
   if (std::string note = friction_note(shares); !note.empty()) {
     result.notes.push_back(std::move(note));
+  } else if (!at_zero) {
+    result.notes.push_back(
+        "without test torque 0 friction is not told: the travel is less by what the flanks yield "
+        "under it");
   }
   return result;
 }

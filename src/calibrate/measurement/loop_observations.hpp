@@ -25,10 +25,11 @@ struct LoopObservations {
   /// loop begins.
   std::vector<Observation> rows;
   std::vector<std::string> notes;
-  std::vector<LoopSession> sessions;  ///< those with loops that were used
-  int measured = 0;                   ///< loops used
-  int refused = 0;                    ///< loops found and not used, and runs without any
-  double record_start_s = kUnknown;   ///< when the first record with such loops begins
+  std::vector<std::string> remedies{};  ///< what would make loops of what was refused
+  std::vector<LoopSession> sessions;    ///< those with loops that were used
+  int measured = 0;                     ///< loops used
+  int refused = 0;                      ///< loops found and not used, and runs without any
+  double record_start_s = kUnknown;     ///< when the first record with such loops begins
 };
 
 /// Each loop as rows of lost motion at the output: one at test torque 0, the angle between the

@@ -77,6 +77,7 @@ LoopReading read_loop(const Loop& loop, const CorrelatedNoise& noise,
   const double least = variance_of_mean(noise, {loop.falling_zero_sample}, response) +
                        variance_of_mean(noise, {loop.rising_zero_sample}, response);
   LoopReading reading{
+      .tells_zero = loop.outcome == LoopOutcome::kMeasured,
       .zero_rad = loop.lost_motion_rad,
       .zero_variance_rad2 = std::max(numerics::square(loop.lost_motion_sd_rad), least)};
   for (const double fraction : kTravelFractions) {

@@ -25,7 +25,8 @@ struct TravelReading {
 };
 
 struct LoopReading {
-  double zero_rad = 0.0;  ///< between the branches at zero torque
+  bool tells_zero = true;  ///< else there is no reading at zero torque
+  double zero_rad = 0.0;   ///< between the branches at zero torque
   double zero_variance_rad2 = 0.0;
   std::vector<TravelReading> travel{};
 };

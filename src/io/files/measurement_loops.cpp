@@ -42,8 +42,9 @@ void read_loops(Measurements& data, double ratio) {
   if (loops.rows.empty()) {
     throw InvalidInput(
         fmt::format("{}: no loop could be measured, allowed: a torque that goes to and fro through "
-                    "zero, with the loop closed\n{}",
-                    fmt::join(own->files, ", "), fmt::join(loops.notes, "\n")));
+                    "zero, with the loop closed\n{}\nto measure: {}",
+                    fmt::join(own->files, ", "), fmt::join(loops.notes, "\n"),
+                    fmt::join(loops.remedies, "; ")));
   }
   const auto pool = std::ranges::find(data.sets, Kind::kLostMotion, &MeasurementSet::kind);
   if (pool == data.sets.end()) {

@@ -488,6 +488,7 @@ TEST(TorqueAngleLoop, SaysWhyThereIsNoLoop) {
   for (const auto outcome :
        {RecordOutcome::kLoops, RecordOutcome::kTooFewSamples, RecordOutcome::kTooFewReversals}) {
     EXPECT_FALSE(record_outcome_text(outcome).empty());
+    EXPECT_EQ(record_outcome_remedy(outcome).empty(), outcome == RecordOutcome::kLoops);
   }
 }
 
@@ -526,16 +527,25 @@ TEST(TorqueAngleLoop, SaysWhyALoopIsNotMeasured) {
   for (std::size_t i = 400; i < slipped.angle_rad.size(); ++i) slipped.angle_rad[i] += 1e-3;
   EXPECT_EQ(analyse_loops(slipped).loops[0].outcome, LoopOutcome::kDoesNotClose);
 
-  // Friction of a fiftieth of the peak: the dead band's jump lies within the filter's reach.
-  analysis = analyse_loops(measure({.dead_band_rad = 2e-2, .friction_Nm = 0.2}, {}));
-  EXPECT_EQ(analysis.loops[0].outcome, LoopOutcome::kDependsOnFilter);
+  // A sensor that averages over nine samples rounds the dead band's jump, two samples from zero.
+  const TorqueAngleRecord jump = measure({.dead_band_rad = 2e-2, .friction_Nm = 0.2}, {});
+  TorqueAngleRecord rounded = jump;
+  for (std::size_t i = 4; i + 4 < jump.angle_rad.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t k = i - 4; k <= i + 4; ++k) sum += jump.angle_rad[k];
+    rounded.angle_rad[i] = sum / 9.0;
+  }
+  analysis = analyse_loops(rounded);
+  EXPECT_EQ(analysis.loops[0].outcome, LoopOutcome::kAtEdge);
   expect_no_nan(analysis);
+  EXPECT_EQ(analyse_loops(jump).loops[0].outcome, LoopOutcome::kMeasured);
 
   for (const auto outcome :
        {LoopOutcome::kMeasured, LoopOutcome::kPartialBranch, LoopOutcome::kZeroNotCrossed,
         LoopOutcome::kTooFewSamples, LoopOutcome::kDoesNotClose, LoopOutcome::kZeroAmbiguous,
-        LoopOutcome::kDependsOnFilter}) {
+        LoopOutcome::kDependsOnFilter, LoopOutcome::kAtEdge}) {
     EXPECT_FALSE(loop_outcome_text(outcome).empty());
+    EXPECT_EQ(loop_outcome_remedy(outcome).empty(), outcome == LoopOutcome::kMeasured);
   }
 }
 

@@ -177,6 +177,35 @@ TEST(LoopObservations, NotesSayHowMuchFrictionWasTakenOut) {
   })) << (found.notes.empty() ? "" : found.notes.back());
 }
 
+TEST(LoopObservations, WhereTheEdgeHidesZeroTorqueTheTravelIsKept) {
+  // Friction of 1 % of the peak, and a sensor that averages over nine samples.
+  const Shaft shaft{.friction_Nm = 0.05};
+  const TorqueAngleRecord sharp = wind_up(shaft, 4);
+  TorqueAngleRecord rounded = sharp;
+  for (std::size_t k = 4; k + 4 < sharp.angle_rad.size(); ++k) {
+    double sum = 0.0;
+    for (std::size_t j = k - 4; j <= k + 4; ++j) sum += sharp.angle_rad[j];
+    rounded.angle_rad[k] = sum / 9.0;
+  }
+  const LoopObservations all = loop_observations({{.samples = sharp, .name = "a.csv"}}, 96.0);
+  const LoopObservations found = loop_observations({{.samples = rounded, .name = "a.csv"}}, 96.0);
+  ASSERT_GE(found.measured, 3);
+  EXPECT_EQ(found.measured, all.measured);
+  EXPECT_EQ(all.rows.size(), static_cast<std::size_t>(all.measured) * 7U);
+  ASSERT_EQ(found.rows.size(), static_cast<std::size_t>(found.measured) * 6U);
+  for (const Observation& row : found.rows) {
+    EXPECT_GT(row.condition.test_torque_Nm, 0.0);
+    // What the springs yield under the friction is not told.
+    EXPECT_NEAR(row.response, travel_of(shaft, row.condition.test_torque_Nm - shaft.friction_Nm),
+                0.002 * shaft.dead_band_rad);
+  }
+  for (const char* part : {"a.csv: loops 2, 4", "test torque 0 left out", "friction is not told"}) {
+    EXPECT_TRUE(std::ranges::any_of(found.notes, [&](const std::string& note) {
+      return note.find(part) != std::string::npos;
+    })) << part;
+  }
+}
+
 TEST(LoopObservations, AtTheSunAngleAndTorqueAreReferredToTheOutput) {
   const TorqueAngleRecord output = wind_up({}, 3);
   const LoopObservations at_output = loop_observations({{.samples = output}}, 96.0);
