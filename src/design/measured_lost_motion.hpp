@@ -1,6 +1,7 @@
 #pragma once
 // Lost motion as a test measures it: rigid bodies, and what a calibrated model adds.
 
+#include <algorithm>
 #include <optional>
 
 #include "backlash/lost_motion_extension.hpp"
@@ -18,13 +19,15 @@ struct LostMotionTest {
 /// Whether an extension changes the lost motion at all.
 template <class T>
 bool changes_lost_motion(const backlash::LostMotionExtension<T>& e) {
-  return !(is_neutral(e.clearance_rad, 0.0) && is_neutral(e.compliance_rad_Nm, 0.0) &&
-           is_neutral(e.soft_windup_rad, 0.0) && is_neutral(e.expansion_1_K, 0.0));
+  const bool soft = std::ranges::any_of(
+      e.soft, [](const auto& stage) { return !is_neutral(stage.windup_rad, 0.0); });
+  return soft || !(is_neutral(e.clearance_rad, 0.0) && is_neutral(e.compliance_rad_Nm, 0.0) &&
+                   is_neutral(e.expansion_1_K, 0.0));
 }
 
 /// Angle of the output between +T and −T, sun locked.
 ///
-///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 c T_0 s(T) + w min(1, T/T_1)
+///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 c T_0 s(T) + Σ w_i min(1, T/T_i)
 ///
 /// s: wind-up over that at T_0 (backlash::LostMotionExtension).
 ///

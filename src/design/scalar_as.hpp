@@ -58,16 +58,20 @@ efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtensi
 
 template <class To, class From>
 backlash::LostMotionExtension<To> extension_as(const backlash::LostMotionExtension<From>& e) {
-  return {.clearance_rad = scalar_as<To>(e.clearance_rad),
-          .compliance_rad_Nm = scalar_as<To>(e.compliance_rad_Nm),
-          .hardening = scalar_as<To>(e.hardening),
-          .hardening_torque_Nm = e.hardening_torque_Nm,
-          .preload_torque_Nm = scalar_as<To>(e.preload_torque_Nm),
-          .soft_windup_rad = scalar_as<To>(e.soft_windup_rad),
-          .soft_torque_Nm = scalar_as<To>(e.soft_torque_Nm),
-          .expansion_1_K = scalar_as<To>(e.expansion_1_K),
-          .reference_temperature_K = e.reference_temperature_K,
-          .beyond_springs = e.beyond_springs};
+  backlash::LostMotionExtension<To> result{.clearance_rad = scalar_as<To>(e.clearance_rad),
+                                           .compliance_rad_Nm = scalar_as<To>(e.compliance_rad_Nm),
+                                           .hardening = scalar_as<To>(e.hardening),
+                                           .hardening_torque_Nm = e.hardening_torque_Nm,
+                                           .preload_torque_Nm = scalar_as<To>(e.preload_torque_Nm),
+                                           .soft = {},
+                                           .expansion_1_K = scalar_as<To>(e.expansion_1_K),
+                                           .reference_temperature_K = e.reference_temperature_K,
+                                           .beyond_springs = e.beyond_springs};
+  for (std::size_t k = 0; k < e.soft.size(); ++k) {
+    result.soft[k] = {.windup_rad = scalar_as<To>(e.soft[k].windup_rad),
+                      .torque_Nm = scalar_as<To>(e.soft[k].torque_Nm)};
+  }
+  return result;
 }
 
 template <class To, class From>

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace {
 constexpr const char* kHardening = "hardening";
 constexpr const char* kPreloaded = "preloaded";
 constexpr const char* kTwoStage = "two_stage";
+constexpr const char* kAnyStages = "any_stages";
 constexpr const char* kHardeningTorque = "hardening_torque";
 
 /// Parameter of a torque within a range about the middle of it.
@@ -23,7 +25,33 @@ ParameterRecord torque_change(std::string_view name, double most) {
           .lower = -most,
           .upper = most,
           .plausible_low = -most,
-          .plausible_high = most};
+          .plausible_high = most,
+          .is_of_shape = true};
+}
+
+/// Names of the parameters and constants of a form of several stages.
+struct StageNames {
+  const char* windup;
+  const char* torque;
+};
+constexpr std::array<StageNames, backlash::kMostSoftStages> kStages{
+    {{.windup = "soft_windup_1", .torque = "soft_torque_1"},
+     {.windup = "soft_windup_2", .torque = "soft_torque_2"},
+     {.windup = "soft_windup_3", .torque = "soft_torque_3"},
+     {.windup = "soft_windup_4", .torque = "soft_torque_4"},
+     {.windup = "soft_windup_5", .torque = "soft_torque_5"}}};
+
+/// Parameter of what winds up until a torque is reached.
+/// @param is_of_shape  one of several: rows that would have it below 0 soften with the torque,
+/// there
+ParameterRecord soft_windup(const char* name, bool is_of_shape) {
+  return {.name = name,
+          .unit = "arcmin",
+          .lower = 0.0,
+          .upper = 1e4,
+          .plausible_low = 0.0,
+          .plausible_high = 1e3,
+          .is_of_shape = is_of_shape};
 }
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
@@ -49,13 +77,13 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
     result.push_back(torque_change("log_preload_torque_change", half_range_of(form)));
   }
   if (form.name == kTwoStage) {
-    result.push_back({.name = "soft_windup",
-                      .unit = "arcmin",
-                      .lower = 0.0,
-                      .upper = 1e4,
-                      .plausible_low = 0.0,
-                      .plausible_high = 1e3});
+    result.push_back(soft_windup("soft_windup", false));
     result.push_back(torque_change("log_soft_torque_change", half_range_of(form)));
+  }
+  if (form.name == kAnyStages) {
+    for (std::size_t k = 0; k < form.constants.size(); ++k) {
+      result.push_back(soft_windup(kStages[k].windup, true));
+    }
   }
   return result;
 }
@@ -98,6 +126,28 @@ ValueRange preload_torques(const std::vector<double>& rising_Nm) {
   return {.low = rising_Nm.front(), .high = kNearlyStraight * rising_Nm.back()};
 }
 
+/// Torques at which a wind-up of any falling softness changes: the levels of few between the first
+/// and the last, or those that part the rows into equal shares.  One below the second torque would
+/// be a constant in disguise.
+std::vector<double> stage_torques(const std::vector<double>& rising_Nm) {
+  std::vector<double> levels;
+  for (double t = rising_Nm.empty() ? HUGE_VAL : rising_Nm.front(); std::isfinite(t);
+       t = next_torque(rising_Nm, t)) {
+    levels.push_back(t);
+  }
+  constexpr std::size_t kFewestLevels = 4, kMostLevels = kStages.size() + 2;
+  if (levels.size() < kFewestLevels) return {};
+  if (levels.size() <= kMostLevels) return {levels.begin() + 1, levels.end() - 1};
+  std::vector<double> result;
+  for (std::size_t k = 1; k <= kStages.size(); ++k) {
+    const double t = rising_Nm[k * (rising_Nm.size() - 1) / (kStages.size() + 1)];
+    if (t >= levels[1] && t < levels.back() && (result.empty() || t > result.back())) {
+      result.push_back(t);
+    }
+  }
+  return result;
+}
+
 /// A form with a torque that is free within a range.
 /// @param name  of that torque
 Form form_about(const char* form, const char* name, const ValueRange& torque) {
@@ -133,6 +183,14 @@ std::vector<Form> forms(const Occasion& o) {
   if (soft.high > kApart * soft.low) {
     result.push_back(form_about(kTwoStage, "soft_torque", soft));
   }
+  // Several of these one after another, or what softens in no such pieces.
+  if (const std::vector<double> stages = stage_torques(loaded); stages.size() > 1) {
+    result.push_back({.name = kAnyStages, .constants = {}, .weight = 0.0});
+    for (std::size_t k = 0; k < stages.size(); ++k) {
+      result.back().constants.push_back(
+          {.name = kStages[k].torque, .unit = "Nm", .value = stages[k]});
+    }
+  }
   return result;
 }
 
@@ -151,8 +209,14 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind k
   }
   if (form.name == kTwoStage) {
     using std::exp;
-    e.soft_windup_rad = p[1] * response_unit(kind).si;
-    e.soft_torque_Nm = Scalar(form.constant("soft_torque") * exp(p[2]));
+    e.soft[0] = {.windup_rad = p[1] * response_unit(kind).si,
+                 .torque_Nm = Scalar(form.constant("soft_torque") * exp(p[2]))};
+  }
+  if (form.name == kAnyStages) {
+    for (std::size_t k = 0; k < form.constants.size(); ++k) {
+      e.soft[k] = {.windup_rad = p[k + 1] * response_unit(kind).si,
+                   .torque_Nm = Scalar(form.constants[k].value)};
+    }
   }
 }
 

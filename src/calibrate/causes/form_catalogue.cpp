@@ -14,7 +14,7 @@ constexpr int kManyLevels = 17;  // near every place of a curve
 /// What the rows of a campaign differ in.
 struct WidePlan {
   int runs = 0;
-  int levels = kManyLevels;  ///< of load, speed and temperature
+  int levels = kManyLevels;  ///< of load, speed, temperature and test torque
 };
 
 /// Rows far apart in everything that forms are made from; of three runs one is between others.
@@ -33,7 +33,7 @@ MeasurementSet wide_data(Kind kind, const WidePlan& plan) {
     row.condition.cycles = share * kFar;
     row.condition.sun_speed_rad_s = 1.0 + level;
     row.condition.output_torque_Nm = 1.0 + level;
-    row.condition.test_torque_Nm = 1.0 + share;
+    row.condition.test_torque_Nm = 1.0 + level;
     row.condition.run = plan.runs > 0 ? std::min(step / 6, plan.runs - 1) : -1;
     constexpr std::array<int, 3> kTeeth{20, 30, 20};
     row.condition.driving_teeth = kTeeth[static_cast<std::size_t>(step % 3)];

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/causes/reading_change.hpp"
 #include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/measurement/value_range.hpp"
@@ -178,6 +179,12 @@ class WithoutBlocks {
     return change;
   }
 
+  /// Standard deviation of what the rows outside a block, each of deviation 1, predict.
+  [[nodiscard]] double deviation(std::size_t b, const Eigen::RowVectorXd& by_parameters) const {
+    const Eigen::VectorXd x = unit_.cwiseProduct(by_parameters.transpose());
+    return std::sqrt(std::max(0.0, x.dot(numerics::solve_symmetric(left_of(b), x))));
+  }
+
  private:
   static constexpr double kDetermined = 1e-9;
 
@@ -270,6 +277,58 @@ Hypothesis fit_without(const Hypothesis& h, const Eigen::VectorXd& change,
 
 }  // namespace
 
+Shown shown_by_bends(const Hypothesis& h, const Blocks& blocks) {
+  const auto bends = [](const Candidate& c) {
+    return is_smooth(c.form) || std::ranges::find(c.parameters, "curvature",
+                                                  &ParameterRecord::name) != c.parameters.end();
+  };
+  Shown shown;
+  constexpr double kSaysNothing = 2.0;
+  if (blocks.name != "run" && std::ranges::any_of(h.effects, bends)) {
+    shown.most_deviation = kSaysNothing;
+  }
+  return shown;
+}
+
+void forget_beyond(const Hypothesis& h, const Blocks& blocks, const std::vector<Levels>& levels,
+                   Eigen::VectorXd& predicted) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kLaws{
+      {{"friction_load", "load"},
+       {"friction_speed", "speed"},
+       {"friction_temperature", "temperature"},
+       {"compliance", "test torque"}}};
+  for (const Candidate& c : h.effects) {
+    const auto law = std::ranges::find(kLaws, c.cause->id, [](const auto& l) { return l.first; });
+    if (law == kLaws.end() || c.form.weight > 0.0) continue;
+    const auto along = std::ranges::find(levels, law->second, &Levels::name);
+    if (along == levels.end()) continue;
+    // Of each level the block of its rows; -1: none, -2: several.
+    std::vector<int> alone(static_cast<std::size_t>(along->count), -1);
+    for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+      if (along->of[i] < 0) continue;
+      int& block = alone[static_cast<std::size_t>(along->of[i])];
+      block = block == -1 || block == blocks.of[i] ? blocks.of[i] : -2;
+    }
+    // A block alone at an end leaves the others without it.
+    const auto of_end = [&](auto first, auto last) {
+      const auto end = std::find_if(first, last, [](int block) { return block != -1; });
+      if (end == last || *end == -2) return std::pair(-1, end);
+      return std::pair(*end, std::find_if(end, last, [&](int b) { return b != -1 && b != *end; }));
+    };
+    const auto [lowest, low_end] = of_end(alone.begin(), alone.end());
+    const auto [highest, high_end] = of_end(alone.rbegin(), alone.rend());
+    const auto least = low_end - alone.begin();
+    const auto most = alone.rend() - high_end - 1;
+    for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+      if (along->of[i] < 0) continue;
+      if ((blocks.of[i] == lowest && along->of[i] < least) ||
+          (blocks.of[i] == highest && along->of[i] > most)) {
+        predicted[static_cast<Eigen::Index>(i)] = kUnknown;
+      }
+    }
+  }
+}
+
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, const Shown& shown) {
   if (hypothesis.value.empty()) return linearise(problem, hypothesis, {}).simulated;
@@ -279,10 +338,23 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
   Eigen::VectorXd predicted = without.at().simulated;
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
     const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
-    predicted[i] =
-        change[b].size() == 0 ? kUnknown : predicted[i] + without.at().own.row(i).dot(change[b]);
+    const auto row = without.at().own.row(i);
+    const bool known =
+        change[b].size() > 0 &&
+        (std::isinf(shown.most_deviation) ||
+         problem.noise.weight[i] * without.deviation(b, row) <= shown.most_deviation);
+    predicted[i] = known ? predicted[i] + row.dot(change[b]) : kUnknown;
   }
   return predicted;
+}
+
+std::vector<Eigen::Index> known_rows(const Eigen::VectorXd& predicted) {
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+    if (std::isfinite(predicted[i])) known.push_back(i);
+  }
+  if (2 * static_cast<Eigen::Index>(known.size()) < predicted.size()) known.clear();
+  return known;
 }
 
 Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypothesis,

@@ -1,6 +1,7 @@
 #pragma once
 // Prediction of rows that a fit has not seen.
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -56,7 +57,19 @@ struct Shown {
   /// Of their information det(N)/det(N_others), N = JᵀJ: what is to be left without a block, of
   /// those asked for together the root of as many.
   double least = 0.0;
+  /// Standard deviation of the prediction of a row by the others, in that of the weighted rows,
+  /// from which on these say nothing of it.
+  double most_deviation = std::numeric_limits<double>::infinity();
 };
+
+/// What a block of a law that bends must not hold alone: of rows that a curve through the others
+/// may meet anyhow these say nothing.
+Shown shown_by_bends(const Hypothesis& h, const Blocks& blocks);
+
+/// Takes out of a prediction of held-out rows those beyond the range of the others in the condition
+/// of a law of free shape: what the rest say of these is no part of the law as it is used.
+void forget_beyond(const Hypothesis& h, const Blocks& blocks, const std::vector<Levels>& levels,
+                   Eigen::VectorXd& predicted);
 
 /// Each row as a fit without its block predicts it [SI].
 ///
@@ -64,9 +77,13 @@ struct Shown {
 /// sessions share and readings remember is taken off the rows outside the block as if there were no
 /// others.
 /// @returns NaN in blocks without which the parameters are not determined, or those that are to be
-///          shown too little
+///          shown too little, and in rows of which the others say nothing
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, const Shown& shown = {});
+
+/// The rows that a prediction of held-out rows is judged by: those that it knows, where these are
+/// half of them at least; else none.
+std::vector<Eigen::Index> known_rows(const Eigen::VectorXd& predicted);
 
 /// The same as a model of the fit is used: of sessions that are left out (blocks "run") the last is
 /// predicted as the fit without it leaves it behind (Cause::leave_behind), drift held at the last

@@ -276,6 +276,7 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
                const Scalar y = simulation.reading(*response, condition, reading);
                result.simulated[i] = y.a;
                const auto count = static_cast<Eigen::Index>(end - first);
+               if (count == 0) return;  // a matrix without columns has no rows to point at
                result.own.row(i).segment(static_cast<Eigen::Index>(first), count) =
                    y.v.head(count).transpose();
              });

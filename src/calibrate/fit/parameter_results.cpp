@@ -27,6 +27,7 @@ struct FittedValue {
 /// can be as long as the interval about where they would have it holds a value that can.
 /// @param half  of the interval
 bool is_plausible(const ParameterRecord& record, const FittedValue& of, double half) {
+  if (record.is_of_shape) return true;
   const double reach = of.at_bound ? half : 0.0;
   const double wanted = of.value + of.beyond;
   return wanted + reach >= record.plausible_low && wanted - reach <= record.plausible_high;

@@ -124,8 +124,8 @@ bool LawFit::take_better(LawTrial& t, LawTrial other, const std::vector<Eigen::I
 
 namespace {
 
-/// Values of a factor's condition in the rows where the law acts, ascending, each once.
-std::vector<double> distinct_values(const LawData& d, const Law& law, std::size_t factor) {
+/// Values of a factor's condition in the rows where the law acts, ascending.
+std::vector<double> rising_values(const LawData& d, const Law& law, std::size_t factor) {
   const LawCondition& condition = law_conditions()[law.factors[factor].condition];
   std::vector<double> values;
   values.reserve(d.data.rows.size());
@@ -135,7 +135,6 @@ std::vector<double> distinct_values(const LawData& d, const Law& law, std::size_
     if (std::isfinite(x)) values.push_back(x);
   }
   std::ranges::sort(values);
-  values.erase(std::unique(values.begin(), values.end()), values.end());
   return values;
 }
 
@@ -160,7 +159,9 @@ ParameterRecord first_record(const LawTrial& t, std::size_t factor, Kind kind) {
 
 bool LawFit::polish_step(LawTrial& t, std::size_t factor,
                          const std::vector<Eigen::Index>& in) const {
-  const std::vector<double> x = distinct_values(d_, t.law, factor);
+  std::vector<double> x = rising_values(d_, t.law, factor);
+  const StepRange allowed(x);
+  x.erase(std::unique(x.begin(), x.end()), x.end());
   const auto gaps = static_cast<std::ptrdiff_t>(x.size()) - 1;
   const auto between = [&](std::ptrdiff_t gap) {
     const auto k = static_cast<std::size_t>(gap);
@@ -173,7 +174,7 @@ bool LawFit::polish_step(LawTrial& t, std::size_t factor,
         std::ranges::upper_bound(x, t.law.factors[factor].constant) - x.begin() - 1;
     bool moved = false;
     for (const std::ptrdiff_t to : {gap - jump, gap + jump}) {
-      if (moved || to < 0 || to >= gaps) continue;
+      if (moved || to < 0 || to >= gaps || !allowed.contains(between(to))) continue;
       LawTrial other = t;
       other.law.factors[factor].constant = between(to);
       moved = take_better(t, std::move(other), in);

@@ -69,6 +69,14 @@ std::vector<ConditionValues> condition_values(const MeasurementSet& data, LawSco
   return result;
 }
 
+StepRange::StepRange(const std::vector<double>& rising) {
+  constexpr std::size_t kFewest = 4, kShare = 20;
+  const std::size_t fewest = std::max(kFewest, rising.size() / kShare);
+  if (rising.size() < 2 * fewest) return;
+  low = rising[fewest - 1];
+  high = rising[rising.size() - fewest];
+}
+
 std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values) {
   std::vector<TriedFactor> grid;
   const LawFactor plain{.shape = shape,
@@ -109,9 +117,15 @@ std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values) 
     case LawShape::kRamp:
       for (const double threshold : between(values.level)) add(threshold);
       break;
-    case LawShape::kStep:
-      for (const double threshold : between(values.level)) add(0.0, 0.0, threshold);
+    case LawShape::kStep: {
+      std::vector<double> rising = values.value;
+      std::ranges::sort(rising);
+      const StepRange steps(rising);
+      for (const double threshold : between(values.level)) {
+        if (steps.contains(threshold)) add(0.0, 0.0, threshold);
+      }
       break;
+    }
     case LawShape::kCentred:
       for (const double zero : values.level) add(zero);
       break;

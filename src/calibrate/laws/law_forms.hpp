@@ -32,6 +32,17 @@ struct TriedFactor {
   std::array<double, 2> p{};
 };
 
+/// Thresholds that a step may have: what parts off fewer than 4 of the rows, or a twentieth, is no
+/// law but these rows.
+/// @param rising  values of the rows, ascending, each as often as it is stated
+struct StepRange {
+  explicit StepRange(const std::vector<double>& rising);
+  [[nodiscard]] bool contains(double threshold) const {
+    return threshold > low && threshold < high;
+  }
+  double low = 0.0, high = 0.0;  ///< empty where there are too few rows
+};
+
 /// Places where the search tries a factor of one condition: the grid of its parameters.
 std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values);
 

@@ -47,6 +47,9 @@ struct ParameterRecord {
   std::string_view name, unit;
   double lower, upper;                   ///< bounds of the fit
   double plausible_low, plausible_high;  ///< what a gearbox may show
+  /// Of how a form bends within the range of the data: its bounds are those of the form, and rows
+  /// that would have a value beyond them are not rows that no gearbox shows.
+  bool is_of_shape = false;
 };
 
 /// A quantity that follows from fitted parameters, with its derivatives by them.

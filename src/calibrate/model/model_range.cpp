@@ -180,8 +180,9 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
             // A test torque, a drag's speed and a bearing's torque are a shaft's, whatever stands
             // between the shafts.
             return (constant.unit == "Nm" && constant.name != "hardening_torque" &&
-                    constant.name != "soft_torque" && constant.name != "preload_torque" &&
-                    constant.name != "top_torque" && constant.name != "reference_torque") ||
+                    !constant.name.starts_with("soft_torque") &&
+                    constant.name != "preload_torque" && constant.name != "top_torque" &&
+                    constant.name != "reference_torque") ||
                    (constant.unit == "rad/s" && constant.name != "top_speed");
           });
       if (of_shafts) ids.push_back(cause.id);

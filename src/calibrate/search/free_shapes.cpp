@@ -49,6 +49,12 @@ Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& for
   return result;
 }
 
+bool is_play_beside_windup(const Hypothesis& h, std::size_t effect) {
+  return h.effects[effect].cause->remedy == Remedy::kClearance &&
+         std::ranges::any_of(
+             h.effects, [](const Candidate& c) { return c.cause->remedy == Remedy::kStiffness; });
+}
+
 bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   const Candidate& own = h.effects[effect];
   if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
@@ -242,8 +248,17 @@ Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all,
       }
       best.offer_all(std::move(more));
     }
+    std::vector<Hypothesis> with_play;
+    for (const Candidate& c : all) {
+      if (!(c.form.weight > 0.0) || has_cause(h, c.cause)) continue;
+      Hypothesis more = with(h, c);
+      if (is_play_beside_windup(more, h.effects.size())) with_play.push_back(std::move(more));
+    }
+    best.offer_all(std::move(with_play));
   }
-  return std::move(best).take();
+  const bool changed = !same_forms(best.hypothesis(), h);
+  Fit result = std::move(best).take();
+  return changed ? with_free_shapes(problem, all, std::move(result), scale) : result;
 }
 
 Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,

@@ -23,6 +23,10 @@ bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form);
 /// values, the others are 0.
 Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form);
 
+/// Whether an effect is play beside a wind-up: both are in every gearbox, and a wind-up that is
+/// soft enough draws play as well.
+bool is_play_beside_windup(const Hypothesis& h, std::size_t effect);
+
 /// The fit with effects in forms of more parameters, as long as one has a better score: the shape
 /// of a law, its reference and its level are not known before the data.
 /// @param all  candidates; those of Form::weight 0 are tried
@@ -31,7 +35,8 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
                      double scale);
 
 /// The fit with an effect of free shape in a plain form beside one more cause, where that has a
-/// better score: a law that bends and two straight ones can look alike.
+/// better score, these with free shapes again: a law that bends and two straight ones can look
+/// alike. Play is looked for beside a wind-up of free shape, too.
 /// @param found  a fit at this scale; @param most  effects that a fit may have
 Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                       double scale, int most);

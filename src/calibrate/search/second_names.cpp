@@ -24,14 +24,6 @@ constexpr double kStrongLogLikelihood = 5.0;
 /// ln L by which a fit with a constant as a cause of its own may be worse.
 constexpr double kAsGood = 3.0;
 
-/// Whether an effect is play beside a wind-up: both are in every gearbox, and a wind-up that is
-/// soft enough draws play as well.
-bool is_play_beside_windup(const Hypothesis& h, std::size_t effect) {
-  return h.effects[effect].cause->remedy == Remedy::kClearance &&
-         std::ranges::any_of(
-             h.effects, [](const Candidate& c) { return c.cause->remedy == Remedy::kStiffness; });
-}
-
 }  // namespace
 
 Fit with_freed_rests(const Problem& problem, const std::vector<Candidate>& all, Fit found,

@@ -140,7 +140,9 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
     shown.each.insert(shown.each.end(), c.parameters.size(), c.cause->id == "drift");
   }
   for (const Blocks& blocks : all) {
+    shown.most_deviation = shown_by_bends(found, blocks).most_deviation;
     by_found.push_back(predict_left_out(problem, found, blocks, shown));
+    forget_beyond(found, blocks, levels, by_found.back());
     // The linearisation of a peak is not the peak that the other rows show.
     if (found.effects.empty() || !is_law(found.effects.back())) continue;
     const Eigen::VectorXd refitted = predict_law_held_out(problem, found, blocks, scale);

@@ -212,7 +212,8 @@ struct HeldOut {
 HeldOut held_out_rows(const Problem& problem, const Hypothesis& h,
                       const std::vector<Levels>& levels) {
   HeldOut held{.blocks = holdout_blocks(problem.data, levels, h), .predicted = {}};
-  held.predicted = predict_held_out(problem, h, held.blocks);
+  held.predicted = predict_held_out(problem, h, held.blocks, shown_by_bends(h, held.blocks));
+  forget_beyond(h, held.blocks, levels, held.predicted);
   return held;
 }
 
@@ -223,14 +224,16 @@ Errors errors_of(const Problem& problem, const Baseline& baseline, const FinalFi
   Errors errors;
   errors.baseline_train = root_mean_square(y - baseline.simulated);
   errors.extended_train = root_mean_square(y - final.simulated);
-  if (held.blocks.count < 2 || !held.predicted.allFinite()) return errors;
-  errors.baseline_holdout = errors.baseline_train;
-  errors.extended_holdout = root_mean_square(y - held.predicted);
-  const Eigen::VectorXd& weight = problem.noise.weight;
+  const std::vector<Eigen::Index> known = known_rows(held.predicted);
+  if (held.blocks.count < 2 || known.empty()) return errors;
+  const Eigen::VectorXd off = (y - baseline.simulated)(known),
+                        off_held = (y - held.predicted)(known);
+  errors.baseline_holdout = root_mean_square(off);
+  errors.extended_holdout = root_mean_square(off_held);
+  const Eigen::VectorXd weight = problem.noise.weight(known);
   if (!(weight.array() == weight[0]).all()) {
-    errors.weighted_gain =
-        1.0 - root_mean_square((y - held.predicted).cwiseProduct(weight)) /
-                  root_mean_square((y - baseline.simulated).cwiseProduct(weight));
+    errors.weighted_gain = 1.0 - root_mean_square(off_held.cwiseProduct(weight)) /
+                                     root_mean_square(off.cwiseProduct(weight));
   }
   return errors;
 }

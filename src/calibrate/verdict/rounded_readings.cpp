@@ -44,16 +44,19 @@ std::optional<MeasurementSet> before_rounding_of(const MeasurementSet& data,
 /// Errors and σ of a diagnosis of readings before they were rounded become those of the readings
 /// themselves: σ² and the noise's floor have u²/12 more.
 void tell_of_readings(Diagnosis& d, const MeasurementSet& data, double step) {
-  std::vector<double> off, off_extended, off_held, weighted, weighted_held;
+  std::vector<double> off, off_extended, off_then, off_held, weighted, weighted_held;
   for (std::size_t i = 0; i < d.rows.size(); ++i) {
     RowResult& row = d.rows[i];
     if (!std::isfinite(row.baseline)) continue;
     const double y = data.rows[i].response;
     off.push_back(y - row.baseline);
     off_extended.push_back(y - row.extended);
-    off_held.push_back(y - row.holdout);
-    weighted.push_back(off.back() / row.sigma);
-    weighted_held.push_back(off_held.back() / row.sigma);
+    if (std::isfinite(row.holdout)) {
+      off_then.push_back(off.back());
+      off_held.push_back(y - row.holdout);
+      weighted.push_back(off.back() / row.sigma);
+      weighted_held.push_back(off_held.back() / row.sigma);
+    }
     row.sigma = std::hypot(row.sigma, step / std::sqrt(12.0));
   }
   const auto rms = [](const std::vector<double>& x) {
@@ -76,7 +79,7 @@ void tell_of_readings(Diagnosis& d, const MeasurementSet& data, double step) {
     }
   }
   if (!std::isfinite(e.extended_holdout)) return;
-  e.baseline_holdout = e.baseline_train;
+  e.baseline_holdout = rms(off_then);
   e.extended_holdout = rms(off_held);
   if (std::isfinite(e.weighted_gain)) e.weighted_gain = 1.0 - rms(weighted_held) / rms(weighted);
   if (!d.correction) return;

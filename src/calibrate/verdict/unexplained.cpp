@@ -112,11 +112,15 @@ Contest causes_against_structure(const SearchResult& found, const Columns& base,
   for (std::size_t e = 0; contest.structure && e < count; ++e) {
     contest.stays[e] = stays_beside(fitted, h, e, after.best, found.first_luck.threshold);
   }
-  constexpr double kClearly = 3.0;
+  // Where nothing is left beside causes of nearly the same evidence, they and the term say the
+  // same.
+  constexpr double kClearly = 3.0, kNearly = 0.1;
+  const double clearly =
+      contest.structure ? kClearly : std::max(kClearly, kNearly * before.best.evidence);
   // Causes that leave no structure and take off all that the term does leave it nothing to explain.
   const double enough = contest.structure ? kMostOfIt : 1.0;
   if (count > 0 && before.p_value <= rate && !take_share_of(before.best, enough, base, fitted) &&
-      before.best.evidence > evidence_of_causes(found, base, fitted) + kClearly) {
+      before.best.evidence > evidence_of_causes(found, base, fitted) + clearly) {
     contest = {.structure = true, .stays = std::vector<bool>(count, false), .remainder = before};
   }
   return contest;

@@ -942,6 +942,24 @@ TEST_P(OnLostMotion, TwoStagesAreSoftUpToATorque) {
   EXPECT_NEAR(wound(0.0), 0.0, kAngle);
 }
 
+TEST_P(OnLostMotion, SeveralStagesAreSoftUpToTheirTorques) {
+  const Form form =
+      with_constants("any_stages", {{.name = "soft_torque_1", .unit = "Nm", .value = 2.0},
+                                    {.name = "soft_torque_2", .unit = "Nm", .value = 5.0}});
+  const Hypothesis h = one("compliance", form, {0.1, 1.5, 2.5}, GetParam());
+  const auto wound = [&](double torque_Nm) {
+    Condition c = row_;
+    c.test_torque_Nm = torque_Nm;
+    return arcmin(c, h) - arcmin(c);
+  };
+  // Slopes of 0.2 + 0.75 + 0.5, then 0.2 + 0.5, then 0.2 arcmin/Nm.
+  EXPECT_NEAR(wound(1.0), 1.45, kAngle);
+  EXPECT_NEAR(wound(2.0), 2.9, kAngle);
+  EXPECT_NEAR(wound(4.0), 2.9 + 2.0 * 0.7, kAngle);
+  EXPECT_NEAR(wound(5.0), 2.9 + 3.0 * 0.7, kAngle);
+  EXPECT_NEAR(wound(9.0), 5.0 + 4.0 * 0.2, kAngle);
+}
+
 TEST_P(OnLostMotion, APreloadMakesTheWindUpGoWithTheLogarithmOfTheTorque) {
   const Form form =
       with_constants("preloaded", {{.name = "preload_torque", .unit = "Nm", .value = 0.5},

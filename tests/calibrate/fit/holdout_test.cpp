@@ -537,5 +537,63 @@ TEST(HoldoutBlocks, OfTwoPinionsAreNot) {
   EXPECT_EQ(blocks.of.size(), data.rows.size());
 }
 
+/// Rows of five loads, each at two speeds, in blocks by load.
+struct FiveLoads {
+  std::vector<Levels> levels = std::vector<Levels>(2);
+  Blocks blocks{.name = "load", .of = {}, .count = 5};
+  FiveLoads() {
+    levels[0].name = "load";
+    levels[1].name = "speed";
+    for (int load = 0; load < 5; ++load) {
+      for (int speed = 0; speed < 2; ++speed) {
+        levels[0].of.push_back(load);
+        levels[1].of.push_back(speed);
+        blocks.of.push_back(load);
+      }
+    }
+    levels[0].count = 5;
+    levels[1].count = 2;
+  }
+  [[nodiscard]] std::vector<bool> known_beside(const Hypothesis& h, const Blocks& by) const {
+    Eigen::VectorXd predicted = Eigen::VectorXd::Zero(10);
+    forget_beyond(h, by, levels, predicted);
+    std::vector<bool> known;
+    for (const double x : predicted) known.push_back(std::isfinite(x));
+    return known;
+  }
+};
+
+/// One law of a form that is searched for (weight 1) or freed (0).
+Hypothesis law_of_one(const char* cause, double weight) {
+  Hypothesis h;
+  h.effects.push_back(
+      {.cause = find_cause(cause), .form = {.name = "any_smooth"}, .parameters = {}});
+  h.effects.back().form.weight = weight;
+  return h;
+}
+
+TEST(ForgetBeyond, TakesTheEndsOfWhatALawOfFreeShapeIsALawOf) {
+  const FiveLoads rows;
+  const Hypothesis by_load = law_of_one("friction_load", 0.0);
+  const std::vector<bool> inner{false, false, true, true, true, true, true, true, false, false};
+  EXPECT_EQ(rows.known_beside(by_load, rows.blocks), inner);
+  const std::vector<bool> all(10, true);
+  // Blocks that hold some of an end each leave the others the rest of it.
+  Blocks halves = rows.blocks;
+  for (std::size_t i = 0; i < halves.of.size(); ++i) halves.of[i] = static_cast<int>(i % 2);
+  EXPECT_EQ(rows.known_beside(by_load, halves), all);
+  // A law of searched shape says what comes beyond; one of another condition goes on.
+  EXPECT_EQ(rows.known_beside(law_of_one("friction_load", 1.0), rows.blocks), all);
+  EXPECT_EQ(rows.known_beside(law_of_one("friction_speed", 0.0), rows.blocks), all);
+}
+
+TEST(KnownRows, AreHalfOfAllAtLeast) {
+  Eigen::VectorXd predicted = Eigen::VectorXd::Zero(4);
+  predicted[1] = predicted[2] = kUnknown;
+  EXPECT_EQ(known_rows(predicted), (std::vector<Eigen::Index>{0, 3}));
+  predicted[0] = kUnknown;
+  EXPECT_TRUE(known_rows(predicted).empty());
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::holdout_test

@@ -312,6 +312,22 @@ TEST(LawForms, PreferredNumbersAreTheNearestInRatio) {
   }
 }
 
+TEST(LawForms, AStepHasFourRowsAndATwentiethOnEitherSide) {
+  std::vector<double> rising(200);
+  std::iota(rising.begin(), rising.end(), 1.0);
+  const StepRange of_many(rising);
+  EXPECT_FALSE(of_many.contains(9.5));
+  EXPECT_TRUE(of_many.contains(10.5));
+  EXPECT_TRUE(of_many.contains(190.5));
+  EXPECT_FALSE(of_many.contains(191.5));
+  rising.resize(8);
+  EXPECT_FALSE(StepRange(rising).contains(3.5));
+  EXPECT_TRUE(StepRange(rising).contains(4.5));
+  EXPECT_FALSE(StepRange(rising).contains(5.5));
+  rising.resize(7);
+  EXPECT_FALSE(StepRange(rising).contains(4.5));
+}
+
 TEST(LawFit, AThresholdOfOneDirectionIsMovedBetweenTheLoadsOfThatDirection) {
   // Forward at four loads, backward at forty between each two of them; forward one step at 35 N m.
   constexpr double kNoise = 0.001;
