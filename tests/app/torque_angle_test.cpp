@@ -246,8 +246,7 @@ TEST(TorqueAngleOfADesign, AModelsComplianceIsInSeriesWithTheSpringsThatItCounts
 
 TEST(TorqueAngleOfADesign, AModelInTwoStagesIsSoftAtFirst) {
   design::Design design = loaded_design();
-  design.lost_motion.soft_windup_rad = 1.6e-3;
-  design.lost_motion.soft_torque_Nm = 10.0;
+  design.lost_motion.soft[0] = {.windup_rad = 1.6e-3, .torque_Nm = 10.0};
   design.operating_point = {.output_torque_Nm = 5.0};
   const Analysis analysis = analyze({.design = design});
   const auto& lost = analysis.evaluation.lost_motion;

@@ -128,7 +128,8 @@ TEST(MeasuredLostMotion, ClearanceAddsAndWindUpIsTwiceTorqueTimesCompliance) {
 
 TEST(MeasuredLostMotion, ASoftWindUpAloneIsAChangeAndCountsUpToItsTorque) {
   const auto p = some_train();
-  const backlash::LostMotionExtension<double> e{.soft_windup_rad = 1.2e-3, .soft_torque_Nm = 8.0};
+  const backlash::LostMotionExtension<double> e{
+      .soft = {{{.windup_rad = 1.2e-3, .torque_Nm = 8.0}}}};
   EXPECT_TRUE(changes_lost_motion(e));
   EXPECT_FALSE(changes_lost_motion(backlash::LostMotionExtension<double>{}));
   const double rigid = rigid_by_thicknesses(p);

@@ -183,8 +183,7 @@ TEST(TorqueAngleCurve, AModelsWindUpIsThatOfEachTorque) {
     task.extension = {.compliance_rad_Nm = 3e-5,
                       .hardening = 0.25,
                       .hardening_torque_Nm = 16.0,
-                      .soft_windup_rad = 2e-3,
-                      .soft_torque_Nm = 4.0,
+                      .soft = {{{.windup_rad = 2e-3, .torque_Nm = 4.0}}},
                       .beyond_springs = beyond};
     const auto curve = torque_angle_loop(train, task);
     ASSERT_TRUE(curve);
