@@ -227,14 +227,26 @@ Proposals Growth::proposals(int size, const std::vector<Candidate>& others, cons
   return some;
 }
 
+/// Whether a cause is no law by which friction or a reading may bend: what such a law of slightly
+/// another shape leaves looks like none of these.
+bool bends_nothing(const Cause& cause) {
+  return cause.remedy == Remedy::kDrag || cause.remedy == Remedy::kAccuracy ||
+         cause.remedy == Remedy::kClearance || cause.remedy == Remedy::kStiffness;
+}
+
 /// A law of slightly wrong shape leaves more than noise where the effect is far above it: what adds
-/// less than a share to what is explained is no cause of its own.
+/// less than a share to what is explained is no cause of its own; a fifth of that share is enough
+/// for what bends nothing.
 bool Growth::adds_enough(const Fit& winner) const {
-  constexpr double kLeastShare = 0.015;
+  constexpr double kLeastShare = 0.015, kLeastOfOther = 0.003;
+  const bool other = std::ranges::all_of(winner.hypothesis.effects, [&](const Candidate& c) {
+    return has_cause(best_.hypothesis, c.cause) || bends_nothing(*c.cause);
+  });
   const Fit last = fit(problem_, best_.hypothesis, scale_);
   const Fit now = fit(problem_, winner.hypothesis, scale_);
   const double added = (last.sum_of_squares - now.sum_of_squares) * scale_ * scale_;
-  return !(added < kLeastShare * (squares_ - rows() * scale_ * scale_));
+  const double least = other ? kLeastOfOther : kLeastShare;
+  return !(added < least * (squares_ - rows() * scale_ * scale_));
 }
 
 bool Growth::step(int size) {

@@ -316,6 +316,34 @@ double wound_in_pieces_arcmin(double torque_Nm) {
   return wound;
 }
 
+TEST(SearchOfLostMotion, NamesASmallWindUpBesideMuchPlay) {
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
+  const auto named = [&](double soft_arcmin_Nm, std::uint64_t seed) {
+    rig::DeterministicRandom random(seed);
+    MeasurementSet data;
+    data.kind = Kind::kLostMotion;
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      for (const double torque_Nm : {2.0, 6.0, 10.0, 14.0, 18.0}) {
+        Observation row;
+        row.condition.test_torque_Nm = torque_Nm;
+        row.sigma = 0.2 * units::kArcmin;
+        row.response = rig::lost_motion_arcmin(rig::bilateral_drive_gear(),
+                                               {.output_torque_Nm = 3.0, .temperature_c = 20.0}) +
+                       6.0 + soft_arcmin_Nm * (torque_Nm - 10.0) + 0.2 * random.normal();
+        row.response *= units::kArcmin;
+        data.rows.push_back(row);
+      }
+    }
+    const Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+    return names_of(search_causes(problem, candidates_for(simulation, data), {}));
+  };
+  for (const std::uint64_t seed : {5U, 6U, 7U}) {
+    // 0.34 arcmin about 6 arcmin: 0.3 % of the squares are left; 1.6 times the noise.
+    EXPECT_EQ(named(0.09, seed), (Names{"clearance", "compliance"})) << seed;
+    EXPECT_EQ(named(0.0, seed), Names{"clearance"}) << seed;
+  }
+}
+
 TEST(SearchOfLostMotion, NamesPlayBesideAWindUpThatStiffensInPieces) {
   const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
   for (const double noise_arcmin : {0.3, 0.15, 0.08}) {
