@@ -36,9 +36,9 @@ struct LostMotionExtension {
   T hardening{};                     ///< h: 0 linear, towards 1 all near zero torque
   double hardening_torque_Nm = 1.0;  ///< T_0 > 0
   T preload_torque_Nm{};             ///< T_p, with h = 0; 0: none
-  std::array<SoftStage<T>, kMostSoftStages> soft{};
-  T expansion_1_K{};                        ///< α of the carrier relative to the gears
-  double reference_temperature_K = 293.15;  ///< θ_0
+  std::array<SoftStage<T>, kMostSoftStages> soft{};  ///< w_i and T_i; w_i = 0: none
+  T expansion_1_K{};                                 ///< α of the carrier relative to the gears
+  double reference_temperature_K = 293.15;           ///< θ_0
   /// c counts beyond the wind-up of the teeth and shafts that a design with [strength] states; else
   /// it is all of the wind-up.
   bool beyond_springs = false;

@@ -117,6 +117,7 @@ gear3k_library(calibrate
     verdict/correction.cpp
     verdict/diagnosis.cpp
     verdict/experiment.cpp
+    verdict/held_out.cpp
     verdict/left_behind.cpp
     verdict/model_update.cpp
     verdict/noise_level.cpp

@@ -25,17 +25,29 @@ std::optional<Blocks> blocks_along(std::string_view name, const std::vector<Leve
   return blocks;
 }
 
+namespace {
+
+/// The condition that a cause is a law of, as covariate_levels() names it; empty: of none.
+std::string_view condition_of(const Cause& cause) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kLaws{
+      {{"friction_load", "load"},
+       {"friction_speed", "speed"},
+       {"friction_temperature", "temperature"},
+       {"compliance", "test torque"}}};
+  const auto* const law =
+      std::ranges::find(kLaws, cause.id, &std::pair<std::string_view, std::string_view>::first);
+  return law == kLaws.end() ? "" : law->second;
+}
+
+}  // namespace
+
 bool bends_with_levels(const Hypothesis& h, std::string_view condition,
                        const std::vector<Levels>& levels) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kLaws{
-      {{"load", "friction_load"}, {"speed", "friction_speed"}}};
   const auto along = std::ranges::find(levels, condition, &Levels::name);
   if (along == levels.end() || along->binned) return false;
   return std::ranges::any_of(h.effects, [&](const Candidate& c) {
     return static_cast<int>(c.parameters.size()) + 1 >= along->count &&
-           std::ranges::any_of(kLaws, [&](const auto& law) {
-             return law.first == condition && law.second == c.cause->id;
-           });
+           condition_of(*c.cause) == condition;
   });
 }
 
@@ -292,15 +304,9 @@ Shown shown_by_bends(const Hypothesis& h, const Blocks& blocks) {
 
 void forget_beyond(const Hypothesis& h, const Blocks& blocks, const std::vector<Levels>& levels,
                    Eigen::VectorXd& predicted) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kLaws{
-      {{"friction_load", "load"},
-       {"friction_speed", "speed"},
-       {"friction_temperature", "temperature"},
-       {"compliance", "test torque"}}};
   for (const Candidate& c : h.effects) {
-    const auto law = std::ranges::find(kLaws, c.cause->id, [](const auto& l) { return l.first; });
-    if (law == kLaws.end() || c.form.weight > 0.0) continue;
-    const auto along = std::ranges::find(levels, law->second, &Levels::name);
+    if (c.form.weight > 0.0) continue;
+    const auto along = std::ranges::find(levels, condition_of(*c.cause), &Levels::name);
     if (along == levels.end()) continue;
     // Of each level the block of its rows; -1: none, -2: several.
     std::vector<int> alone(static_cast<std::size_t>(along->count), -1);
@@ -334,7 +340,19 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
   if (hypothesis.value.empty()) return linearise(problem, hypothesis, {}).simulated;
   const WithoutBlocks without(problem, hypothesis, blocks);
   std::vector<Eigen::VectorXd> change(static_cast<std::size_t>(blocks.count));
-  for (std::size_t b = 0; b < change.size(); ++b) change[b] = without.change(b, shown);
+  const std::vector<ParameterRecord> records = parameters_of(hypothesis);
+  for (std::size_t b = 0; b < change.size(); ++b) {
+    change[b] = without.change(b, shown);
+    // A fit without the block keeps to the bounds.
+    for (Eigen::Index k = 0; k < change[b].size(); ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      const double value = hypothesis.value[place];
+      const ParameterRecord& record = records[place];
+      change[b][k] = std::clamp(value + change[b][k], std::min(record.lower, value),
+                                std::max(record.upper, value)) -
+                     value;
+    }
+  }
   Eigen::VectorXd predicted = without.at().simulated;
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
     const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);

@@ -227,20 +227,25 @@ Proposals Growth::proposals(int size, const std::vector<Candidate>& others, cons
   return some;
 }
 
-/// Whether a cause is no law by which friction or a reading may bend: what such a law of slightly
-/// another shape leaves looks like none of these.
-bool bends_nothing(const Cause& cause) {
-  return cause.remedy == Remedy::kDrag || cause.remedy == Remedy::kAccuracy ||
-         cause.remedy == Remedy::kClearance || cause.remedy == Remedy::kStiffness;
+/// Whether what a law of slightly another shape leaves of those of a hypothesis looks like no such
+/// cause.  A drag is a friction that falls with the load or rises with the speed.
+bool is_no_bend(const Cause& cause, const Hypothesis& h) {
+  if (cause.remedy == Remedy::kDrag) {
+    return std::ranges::none_of(h.effects, [](const Candidate& c) {
+      return c.cause->id == "friction_load" || c.cause->id == "friction_speed";
+    });
+  }
+  return cause.remedy == Remedy::kAccuracy || cause.remedy == Remedy::kClearance ||
+         cause.remedy == Remedy::kStiffness;
 }
 
 /// A law of slightly wrong shape leaves more than noise where the effect is far above it: what adds
 /// less than a share to what is explained is no cause of its own; a fifth of that share is enough
-/// for what bends nothing.
+/// for what is_no_bend().
 bool Growth::adds_enough(const Fit& winner) const {
   constexpr double kLeastShare = 0.015, kLeastOfOther = 0.003;
   const bool other = std::ranges::all_of(winner.hypothesis.effects, [&](const Candidate& c) {
-    return has_cause(best_.hypothesis, c.cause) || bends_nothing(*c.cause);
+    return has_cause(best_.hypothesis, c.cause) || is_no_bend(*c.cause, best_.hypothesis);
   });
   const Fit last = fit(problem_, best_.hypothesis, scale_);
   const Fit now = fit(problem_, winner.hypothesis, scale_);

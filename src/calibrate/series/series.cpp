@@ -452,7 +452,7 @@ MeasurementSet simulated_part(const MeasurementSet& data, const std::vector<RowR
 /// Rows hold the parts' own again, and what the simulation as given misses is that of the data:
 /// errors of the extended model are the same with the parts' own on both sides.
 void add_own(Diagnosis& d, const MeasurementSet& data, const Eigen::VectorXd& own) {
-  std::vector<double> off;
+  std::vector<double> off, off_then;  // of all rows, and of those with a prediction held out
   double held_squares = 0.0;
   double off_squares = 0.0;
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
@@ -462,14 +462,17 @@ void add_own(Diagnosis& d, const MeasurementSet& data, const Eigen::VectorXd& ow
     row.holdout += added;
     if (!std::isfinite(row.baseline)) continue;
     off.push_back(data.rows[i].response - row.baseline);
+    if (!std::isfinite(row.holdout)) continue;
+    off_then.push_back(off.back());
     off_squares += std::pow(off.back() / row.sigma, 2);
     held_squares += std::pow((data.rows[i].response - row.holdout) / row.sigma, 2);
   }
-  const Eigen::Map<const Eigen::VectorXd> all(off.data(), static_cast<Eigen::Index>(off.size()));
-  d.errors.baseline_train = root_mean_square(all);
-  if (std::isfinite(d.errors.baseline_holdout)) {
-    d.errors.baseline_holdout = d.errors.baseline_train;
-  }
+  const auto rms = [](const std::vector<double>& x) {
+    return root_mean_square(
+        Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+  };
+  d.errors.baseline_train = rms(off);
+  if (std::isfinite(d.errors.baseline_holdout)) d.errors.baseline_holdout = rms(off_then);
   if (std::isfinite(d.errors.weighted_gain)) {
     d.errors.weighted_gain = 1.0 - std::sqrt(held_squares / off_squares);
   }

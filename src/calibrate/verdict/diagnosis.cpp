@@ -21,6 +21,7 @@
 #include "calibrate/search/stability.hpp"
 #include "calibrate/verdict/correction.hpp"
 #include "calibrate/verdict/experiment.hpp"
+#include "calibrate/verdict/held_out.hpp"
 #include "calibrate/verdict/left_behind.hpp"
 #include "calibrate/verdict/noise_level.hpp"
 #include "calibrate/verdict/posterior.hpp"
@@ -204,19 +205,6 @@ StandingEffects standing_effects(const SearchResult& search, const Contest& cont
   return standing;
 }
 
-/// Rows as fits without their blocks predict them.
-struct HeldOut {
-  Blocks blocks;
-  Eigen::VectorXd predicted;  ///< [SI]
-};
-HeldOut held_out_rows(const Problem& problem, const Hypothesis& h,
-                      const std::vector<Levels>& levels) {
-  HeldOut held{.blocks = holdout_blocks(problem.data, levels, h), .predicted = {}};
-  held.predicted = predict_held_out(problem, h, held.blocks, shown_by_bends(h, held.blocks));
-  forget_beyond(h, held.blocks, levels, held.predicted);
-  return held;
-}
-
 /// Root mean squares; the noise floor is left to noise_level().
 Errors errors_of(const Problem& problem, const Baseline& baseline, const FinalFit& final,
                  const HeldOut& held) {
@@ -307,11 +295,6 @@ std::string note_on_orders(double highest) {
       highest);
 }
 
-std::string note_on_levels_in_sample() {
-  return "a law of friction goes through every level of what was varied: no level could be left "
-         "out, and what the model predicts between the levels was not measured";
-}
-
 /// What a prediction that is no finding is made of, beside the fit.
 struct Measured {
   const Problem& problem;
@@ -370,6 +353,9 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   if (!law) return;
   const auto contest = contest_of(d, m, law->hypothesis, candidates, law->scale);
   if (contest && contest->refit_is_better()) return;
+  // A formula that runs away without some rows is worse than none.
+  const Eigen::VectorXd& y = m.baseline.measured;
+  if (root_mean_square(y - law->predicted) > root_mean_square(y - m.baseline.simulated)) return;
   const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
   if (!has_amplitude(problem, final)) {
     d.refit.reset();
@@ -453,6 +439,19 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
   }
   if (d.refit && d.refit->predicts) formula = contest->refit;
   add_correction(d, m, formula, blocks, scale);
+}
+
+/// Said of errors held out that are of some rows only.
+void tell_known_rows(Diagnosis& d) {
+  std::size_t known = 0, simulated = 0;
+  for (const RowResult& row : d.rows) {
+    if (!std::isfinite(row.extended)) continue;
+    ++simulated;
+    if (std::isfinite(row.holdout)) ++known;
+  }
+  if (std::isfinite(d.errors.extended_holdout) && known < simulated) {
+    d.notes.push_back(note_on_known_rows(known, simulated));
+  }
 }
 
 /// What the extended model misses at the means of repeats against their scatter.
@@ -589,6 +588,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   if (d.laws.empty()) {
     predict_at_least_as_refit(d, all, standing.hypothesis, found, held.blocks, row_scale);
   }
+  tell_known_rows(d);
   d.lack_of_model = lack_of_model(problem, repeats, d, rows.place);
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;

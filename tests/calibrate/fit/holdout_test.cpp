@@ -595,5 +595,17 @@ TEST(KnownRows, AreHalfOfAllAtLeast) {
   EXPECT_TRUE(known_rows(predicted).empty());
 }
 
+TEST_F(HeldOut, AFitWithoutABlockKeepsToTheBoundsOfItsParameters) {
+  // The sensor reads 30 % too little, where the fit allows 20: so do the rows without any block.
+  Candidate gain = candidate("sensor_gain", {.name = "gain"});
+  const Hypothesis free = hypothesis({gain}, {-0.3});
+  measure_evenly(free, 1e-6, 3);
+  const Blocks blocks = by("load");
+  gain.parameters[0].lower = -0.2;
+  const Eigen::VectorXd predicted = predict_held_out(problem(), hypothesis({gain}, {-0.2}), blocks);
+  const Eigen::VectorXd at_bound = linearise(problem(), hypothesis({gain}, {-0.2}), {}).simulated;
+  EXPECT_LT((predicted - at_bound).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::holdout_test
