@@ -20,7 +20,7 @@ void diagnose_log(const std::string& text) {
       .data = {}};
   const report::MotionDiagnosisResult result = app::diagnose_motion(
       request, io::parse_motion_log("fuzz.csv", files.second, app::log_scale(request.actuator)));
-  report::motion_diagnosis_json(result);
+  static_cast<void>(report::motion_diagnosis_json(result));
   report::motion_diagnosis_table(result);
   report::motion_window_csv(result);
   // What is written can be read.

@@ -132,5 +132,6 @@ gear3k_library(calibrate
     dynamic/drive_parameters.cpp
     dynamic/motion_diagnosis.cpp
     dynamic/motion_experiment.cpp
+    dynamic/motion_holdout.cpp
   LINK gear3k_optimize Ceres::ceres gear3k_random123)
 target_sources(gear3k_calibrate PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/cause_list.cpp)

@@ -65,16 +65,22 @@ ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
                           .files = {"diagnosis.json", "model.toml", "residuals.csv"},
                           .quiet = options.quiet};
     task.inputs.insert(task.inputs.end(), files.inputs.begin(), files.inputs.end());
+    for (const std::string& name : report::motion_diagnosis_plot_names()) {
+      task.figures.push_back(name + ".svg");
+    }
     folder.emplace(std::move(task));
   }
   const report::MotionDiagnosisResult result = app::diagnose_motion(request);
-  const std::string json = report::motion_diagnosis_json(result);
+  Figures figures;
+  if (folder) figures = draw(report::motion_diagnosis_plots(result));
+  const std::string json = with_missing_figures(report::motion_diagnosis_json(result), figures);
   const std::string csv = report::motion_window_csv(result);
   std::vector<std::string> written;
   if (folder) {
     written = folder->write({{.path = "diagnosis.json", .text = json},
                              {.path = "model.toml", .text = result.model},
-                             {.path = "residuals.csv", .text = csv}});
+                             {.path = "residuals.csv", .text = csv}},
+                            figures);
   }
   switch (options.format) {
     case Format::kJson:

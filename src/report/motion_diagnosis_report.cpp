@@ -14,8 +14,9 @@ namespace gear3k::report {
 
 namespace {
 
-using calibrate::kDriveCauses, calibrate::MotionEffect, calibrate::MotionEstimate,
-    calibrate::MotionProposal, calibrate::MotionQuantity;
+using calibrate::kDriveCauses, calibrate::MotionDiagnosis, calibrate::MotionEffect,
+    calibrate::MotionEstimate, calibrate::MotionProposal, calibrate::MotionQuantity,
+    calibrate::MotionVerdict;
 using io::Json;
 
 constexpr std::array<const char*, 4> kMotionVerdicts{"no_discrepancy", "explained", "ambiguous",
@@ -68,7 +69,9 @@ Json cause_json(std::size_t cause, const MotionEstimate& e, double ratio) {
 Json motion_effect_json(const MotionEffect& e, double ratio) {
   Json json = cause_json(e.cause, e.estimate, ratio);
   json["probability"] = e.probability;
-  json["alternatives"] = list_json(e.alternatives, [&](const auto& a) {
+  json["alternatives"] =
+      list_json(e.alternatives, [](const auto& a) { return Json(kDriveCauses.at(a.cause).id); });
+  json["alternatives_detail"] = list_json(e.alternatives, [&](const auto& a) {
     Json other = cause_json(a.cause, a.estimate, ratio);
     other["statistic"] = a.statistic;
     other["probability"] = a.probability;
@@ -167,6 +170,17 @@ std::string effects_text(const MotionDiagnosisResult& r) {
   return table.text(0);
 }
 
+/// What the causes predict of what they were not fitted to.
+std::string gain_text(const MotionDiagnosis& d) {
+  if (d.holdout_blocks.empty()) return "These logs are too few to hold some of them out.\n";
+  const double gain = 1.0 - d.extended_held_out_Nm / d.baseline_held_out_Nm;
+  return fmt::format(
+      "held out (by {}): {:.4g} N m, {:.4g} as stated: on data that it has not seen the extended "
+      "model is {} % {}.\n",
+      d.holdout_blocks, d.extended_held_out_Nm, d.baseline_held_out_Nm,
+      fixed(std::abs(percent(gain)), 0), gain >= 0.0 ? "better" : "worse");
+}
+
 std::string quantities_text(const MotionDiagnosisResult& r) {
   TextTable table({"all of them free", "stated", "found", "95 %", "unit"});
   table.align_left(4);
@@ -205,7 +219,7 @@ std::string readings_text(const calibrate::MotionReadings& r) {
 
 }  // namespace
 
-std::string motion_diagnosis_json(const MotionDiagnosisResult& r) {
+Json motion_diagnosis_json(const MotionDiagnosisResult& r) {
   const auto& d = r.diagnosis;
   Json json{{"tool", tool_json()},
             {"kind", "dynamic"},
@@ -221,14 +235,22 @@ std::string motion_diagnosis_json(const MotionDiagnosisResult& r) {
       list_json(d.quantities, [&](const auto& q) { return motion_quantity_json(q, r.ratio); });
   json["rmse"] = {{"baseline_train", d.baseline_Nm},
                   {"extended_train", d.extended_Nm},
+                  {"baseline_holdout", d.baseline_held_out_Nm},
+                  {"extended_holdout", d.extended_held_out_Nm},
                   {"noise_floor", d.noise_Nm},
                   {"unit", "Nm"}};
+  json["gain"] = 1.0 - d.extended_held_out_Nm / d.baseline_held_out_Nm;
+  json["holdout_blocks"] = d.holdout_blocks.empty() ? Json(nullptr) : Json(d.holdout_blocks);
+  // Which condition it hangs on is not looked for.
+  json["remainder"] = {{"significant", d.verdict == MotionVerdict::kUnexplained},
+                       {"along", nullptr},
+                       {"p_value", d.lack_of_fit}};
   json["noise_correlation"] = d.correlation;
   json["next_experiment"] =
       d.next ? motion_proposal_json(*d.next, d.effects.front().cause, r.ratio) : Json(nullptr);
   add_readings(r.readings, json);
   json["notes"] = d.notes;
-  return json.text();
+  return json;
 }
 
 std::string motion_diagnosis_table(const MotionDiagnosisResult& r) {
@@ -239,7 +261,7 @@ std::string motion_diagnosis_table(const MotionDiagnosisResult& r) {
       r.subject.empty() ? "actuator" : io::printable(r.subject),
       kMotionVerdicts.at(static_cast<std::size_t>(d.verdict)), d.windows[0], d.windows[1],
       d.extended_Nm, d.baseline_Nm, d.noise_Nm);
-  if (!d.effects.empty()) text += effects_text(r) + '\n';
+  if (!d.effects.empty()) text += effects_text(r) + '\n' + gain_text(d) + '\n';
   text += quantities_text(r) + readings_text(r.readings);
   if (d.next) {
     text += fmt::format("\nnext experiment: {}\n", d.next->advice);
@@ -259,14 +281,15 @@ std::string motion_window_csv(const MotionDiagnosisResult& r) {
   const auto& d = r.diagnosis;
   std::string text =
       "time_s,duration_s,flow,sense,acceleration_rad_s2,speed_rad_s,output_torque_nm,"
-      "motor_torque_at_output_nm,baseline_residual_nm,extended_residual_nm\n";
+      "motor_torque_at_output_nm,baseline_residual_nm,extended_residual_nm,holdout_residual_nm\n";
   for (std::size_t k = 0; k < d.rows.size(); ++k) {
     const auto& w = d.rows[k];
     const double root = w.term[4];
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", exact(w.time_s), exact(w.duration_s),
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", exact(w.time_s), exact(w.duration_s),
                         w.flow > 0 ? "forward" : "backward", w.sense, exact(w.term[0] / root),
                         exact(w.term[1] / root), exact(-w.term[3] / root), exact(w.motor_Nm / root),
-                        exact(d.baseline[k]), exact(d.extended[k]));
+                        exact(d.baseline[k]), exact(d.extended[k]),
+                        std::isfinite(d.held_out[k]) ? exact(d.held_out[k]) : "");
   }
   return text;
 }

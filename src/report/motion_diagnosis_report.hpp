@@ -6,6 +6,8 @@
 
 #include "calibrate/dynamic/motion_diagnosis.hpp"
 #include "calibrate/dynamic/motion_readings.hpp"
+#include "io/text/json.hpp"
+#include "report/plot.hpp"
 
 namespace gear3k::report {
 
@@ -18,9 +20,16 @@ struct MotionDiagnosisResult {
   std::string model{};  ///< an ACTUATOR file with what was found
 };
 
-std::string motion_diagnosis_json(const MotionDiagnosisResult& result);
+io::Json motion_diagnosis_json(const MotionDiagnosisResult& result);
 std::string motion_diagnosis_table(const MotionDiagnosisResult& result);
 /// A row for each window: its terms, and what the model as stated and extended leaves.
 std::string motion_window_csv(const MotionDiagnosisResult& result);
+/// measured_vs_simulated: mean motor torques of the windows against those of the model, as stated
+/// and with the causes;
+/// residuals: what either leaves, along what the first cause acts on: the speed for a drag, the
+/// acceleration for an inertia, else the load's torque (where none is logged, the acceleration).
+std::vector<Plot> motion_diagnosis_plots(const MotionDiagnosisResult& result);
+/// Names of all of them.
+std::vector<std::string> motion_diagnosis_plot_names();
 
 }  // namespace gear3k::report

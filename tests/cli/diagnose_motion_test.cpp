@@ -81,6 +81,19 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   const std::size_t windows = data.at("windows").at("forward").get<std::size_t>() +
                               data.at("windows").at("backward").get<std::size_t>();
   EXPECT_EQ(lines_of(place.read("out/residuals.csv")).size(), windows + 1);
+  // The fields that results of every kind have.
+  const json& errors = data.at("rmse");
+  EXPECT_GT(data.at("gain"), 0.8);
+  EXPECT_NEAR(data.at("gain").get<double>(),
+              1.0 - errors.at("extended_holdout").get<double>() /
+                        errors.at("baseline_holdout").get<double>(),
+              1e-12);
+  EXPECT_EQ(data.at("holdout_blocks"), "time");
+  EXPECT_EQ(data.at("remainder").at("significant"), false);
+  EXPECT_TRUE(data.at("remainder").at("along").is_null());
+  for (const std::string figure : {"out/measured_vs_simulated.svg", "out/residuals.svg"}) {
+    EXPECT_NE(place.read(figure).find("</svg>"), std::string::npos) << figure;
+  }
   // With the model nothing is left to be found, and it is an actuator like any other.
   const ProgramResult again =
       place.run({"diagnose", "out/model.toml", "m.csv", "--format", "json"});
@@ -94,6 +107,27 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   }
   const ProgramResult actuator = place.run({"actuator", "out/model.toml"});
   EXPECT_EQ(actuator.exit_code, 0) << actuator.err;
+}
+
+TEST(DiagnoseMotion, AlternativesAreIdsWithTheirNumbersBeside) {
+  const Workplace place;
+  put_example(place);
+  // Without the load's torque nothing tells inertia and losses apart but the drag.
+  std::string log;
+  for (const std::string& line : lines_of(example("measurements/knee_motion.csv"))) {
+    log += (line.empty() || line[0] == '#' ? line : line.substr(0, line.rfind(','))) + '\n';
+  }
+  place.write("unloaded.csv", log);
+  const json data =
+      json::parse(place.run({"diagnose", "a.toml", "unloaded.csv", "--format", "json"}).out);
+  std::size_t listed = 0;
+  for (const json& effect : data.at("effects")) {
+    ASSERT_EQ(effect.at("alternatives").size(), effect.at("alternatives_detail").size());
+    for (std::size_t k = 0; k < effect.at("alternatives").size(); ++k, ++listed) {
+      EXPECT_EQ(effect.at("alternatives")[k], effect.at("alternatives_detail")[k].at("id"));
+    }
+  }
+  EXPECT_GT(listed, 0U) << data.dump(1);
 }
 
 /// The log without some of its rows.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibrate/dynamic/motion_experiment.hpp"
+#include "calibrate/dynamic/motion_holdout.hpp"
 #include "calibrate/dynamic/window_fit.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/square.hpp"
@@ -211,13 +212,6 @@ std::vector<MotionQuantity> quantities_of(const WindowSums& sums, const DrivePar
   return all;
 }
 
-double window_residual(const MotionWindow& w, const DriveParameters& drive) {
-  const auto beta = drive_coefficients(drive, w.flow, w.load_kgm2);
-  double left = w.motor_Nm;
-  for (std::size_t j = 0; j < 4; ++j) left -= beta.at(j) * w.term.at(j);
-  return left / w.term[4];
-}
-
 double root_mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v * v;
@@ -232,6 +226,27 @@ void add_residuals(MotionDiagnosis& d, const DriveParameters& stated, const Driv
   }
   d.baseline_Nm = root_mean(d.baseline);
   d.extended_Nm = root_mean(d.extended);
+}
+
+/// What the causes predict of windows that they were not fitted to.
+void add_held_out(MotionDiagnosis& d, const DriveParameters& stated) {
+  std::vector<std::size_t> causes;
+  for (const MotionEffect& e : d.effects) causes.push_back(e.cause);
+  std::ranges::sort(causes);
+  MotionHoldout held = hold_out(d.rows, stated, causes);
+  d.holdout_blocks = held.blocks;
+  d.held_out = std::move(held.residual);
+  if (held.blocks.empty()) return;
+  d.baseline_held_out_Nm = held.baseline_Nm;
+  d.extended_held_out_Nm = held.extended_Nm;
+  const auto known = static_cast<std::size_t>(
+      std::ranges::count_if(d.held_out, [](double r) { return std::isfinite(r); }));
+  if (known < d.rows.size()) {
+    d.notes.push_back(fmt::format(
+        "the errors held out are of {} of {} windows: without the others ({}) the rest does not "
+        "fix the causes' numbers",
+        known, d.rows.size(), held.blocks == "log" ? "whole logs" : "parts of the log"));
+  }
 }
 
 bool flows_have_one_sense(const std::vector<MotionWindow>& windows) {
@@ -380,6 +395,7 @@ std::optional<MotionDiagnosis> diagnose_motion(const MotionRecord& record,
     d.noise_Nm = sums->deviation_Nm;
     const DriveChanges changes = judge(d, *sums, stated, options);
     add_residuals(d, stated, changes);
+    if (round == 1) add_held_out(d, stated);
     d.quantities = quantities_of(*sums, stated);
     const bool load = std::ranges::any_of(d.rows, [](const auto& w) { return w.term[3] != 0.0; });
     if (!load) doubt_without_load(d);

@@ -2,6 +2,7 @@
 // What a log of motion says about a drive: verdict, causes, numbers, what to move next.
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -78,6 +79,11 @@ struct MotionDiagnosis {
   DriveParameters drive;  ///< as found
   std::vector<MotionWindow> rows;
   std::vector<double> baseline, extended;  ///< residuals of each window's mean torque [N m]
+  std::string holdout_blocks;              ///< "log" or "time"; "": nothing can be held out
+  std::vector<double> held_out;            ///< as extended, fitted without the window's block
+  /// rms of the windows that are known when held out; NaN: none.
+  double baseline_held_out_Nm = std::numeric_limits<double>::quiet_NaN();
+  double extended_held_out_Nm = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::string> notes;
 };
 

@@ -19,6 +19,7 @@ struct MotionStretch {
   std::vector<double> windup_rad{};
   bool windup_drifts = false;  ///< summed up from speeds: its constant wanders
   int session = 0;             ///< of one constant
+  int log = 0;                 ///< its file, in the order of MotionRecord::files
 };
 
 /// All logs of one drive.

@@ -374,7 +374,8 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
           .sense = p.sense,
           .windup_rad = s.windup_rad.empty() ? std::nullopt : std::optional(windup / weights.total),
           .windup_drifts = s.windup_drifts,
-          .session = s.session};
+          .session = s.session,
+          .log = s.log};
 }
 
 double median_samples(const std::vector<std::vector<MotionPiece>>& pieces) {

@@ -25,6 +25,7 @@ struct MotionWindow {
   std::optional<double> windup_rad{};
   bool windup_drifts = false;
   int session = 0;
+  int log = 0;  ///< its file
 };
 
 /// Cuts a log where the sense or the flow changes and weighs each piece by φ = (1 − x²)^p, which

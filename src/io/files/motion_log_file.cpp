@@ -429,6 +429,7 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
     return;
   }
   const int sessions = record.stretches.empty() ? 0 : record.stretches.back().session + 1;
+  const int log = record.stretches.empty() ? 0 : record.stretches.back().log + 1;
   std::size_t gaps = 0;
   int first_gap = 0;
   std::optional<std::size_t> last;
@@ -445,6 +446,7 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
       record.stretches.back().session = logs_both_angles(file)
                                             ? sessions + rows.run[k]
                                             : sessions + static_cast<int>(record.stretches.size());
+      record.stretches.back().log = log;
     }
     last = k;
     add_sample(file, before, k, scale, record.stretches.back());
