@@ -5,9 +5,8 @@
 namespace gear3k::backlash {
 
 ToothErrors random_teeth(const ClearanceModel& model, const train::ToothSet& z,
-                         const ToothSeries& series) {
+                         const ToothSeries& series, const OctaveTable& numbers) {
   // RandomGearbox counts its calls in the second word from 0; gears stand in the third from 1.
-  const OctaveTable table = number_table(series.scatter);
   const r123::Philox4x64::key_type key{{series.seed, 0}};
   ToothErrors errors;
   for (const ToleranceSource& source : model.sources) {
@@ -18,7 +17,7 @@ ToothErrors random_teeth(const ClearanceModel& model, const train::ToothSet& z,
     for (std::size_t i = 0; i < flanks.size(); ++i) {
       const r123::Philox4x64::ctr_type counter{{series.gearbox, i, gear + 1, 0}};
       const auto words = r123::Philox4x64()(counter, key);
-      flanks[i] = source.half_width_m * table(static_cast<std::uint32_t>(words[0]));
+      flanks[i] = source.half_width_m * numbers(static_cast<std::uint32_t>(words[0]));
     }
   }
   return errors;

@@ -16,7 +16,12 @@ struct ToothSeries {
 
 /// Draws every flank of every gear with a tolerance of its single pitch.  Numbers depend on seed,
 /// gearbox, gear and flank only; they are others than those of RandomGearbox.
+/// @param numbers  number_table(series.scatter), which takes as long as some thousand flanks
 ToothErrors random_teeth(const ClearanceModel& model, const train::ToothSet& z,
-                         const ToothSeries& series);
+                         const ToothSeries& series, const OctaveTable& numbers);
+inline ToothErrors random_teeth(const ClearanceModel& model, const train::ToothSet& z,
+                                const ToothSeries& series) {
+  return random_teeth(model, z, series, number_table(series.scatter));
+}
 
 }  // namespace gear3k::backlash

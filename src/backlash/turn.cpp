@@ -26,16 +26,23 @@ std::size_t wrapped(long long tooth, int teeth) {
   return static_cast<std::size_t>(rest < 0 ? rest + teeth : rest);
 }
 
-/// Errors of one side's flanks of one gear (on one planet).
-std::vector<double> one_side(const std::vector<double>& flank_m, int teeth, int planet,
-                             bool upper) {
-  std::vector<double> errors;
-  if (flank_m.empty()) return errors;
-  errors.reserve(static_cast<std::size_t>(teeth));
+/// What one side's flanks of one gear (on one planet) add to a bound.
+std::vector<double> one_side(const std::vector<double>& flank_m, double coefficient, int teeth,
+                             int planet, bool upper) {
+  std::vector<double> added;
+  if (flank_m.empty() || coefficient == 0.0) return added;
+  added.reserve(static_cast<std::size_t>(teeth));
   for (int tooth = 0; tooth < teeth; ++tooth) {
-    errors.push_back(flank_m[flank_place(teeth, planet, tooth, upper)]);
+    added.push_back(coefficient * flank_m[flank_place(teeth, planet, tooth, upper)]);
   }
-  return errors;
+  return added;
+}
+
+/// A bound of all plays by its bound_index().
+double& bound_of(std::vector<PlanetPlay>& plays, std::size_t bound) {
+  constexpr std::size_t kMeshes = train::kMeshCount;
+  MeshPlay& play = plays[bound / 2U / kMeshes][bound / 2U % kMeshes];
+  return bound % 2U == 0U ? play.lower_m : play.upper_m;
 }
 
 }  // namespace
@@ -48,23 +55,28 @@ std::size_t flank_count(const train::ToothSet& z, int gear, int planets) {
 
 TurningPlays::TurningPlays(const ClearanceModel& model, const train::ToothSet& z,
                            std::span<const DeviationValue> values, const ToothErrors& errors)
-    : planets_(model.planets), bounds_(model.middle_m.size()) {
+    : planets_(model.planets), constant_(static_cast<std::size_t>(model.planets)) {
   if (values.size() != model.deviations.size()) {
     throw std::invalid_argument(fmt::format("TurningPlays: {} values, allowed: one for each of {}",
                                             values.size(), model.deviations.size()));
   }
   const train::SpeedRatios w = train::speed_ratios(z);
   rate_ = {w.sun - w.carrier, w.planet - w.carrier, -w.carrier, 1.0 - w.carrier};
-  for (std::size_t i = 0; i < bounds_.size(); ++i) bounds_[i].constant = model.middle_m[i];
+  for (std::size_t i = 0; i < model.middle_m.size(); ++i) {
+    bound_of(constant_, i) = model.middle_m[i];
+  }
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Deviation& d = model.deviations[i];
     if (model.sources[d.source].kind == ToleranceKind::kSinglePitch) continue;
     const auto body = d.planar ? turning_body(d.body) : std::nullopt;
+    if (body) {
+      cosine_[*body].resize(constant_.size());
+      sine_[*body].resize(constant_.size());
+    }
     // (x, y) turned by ρ is (x cos ρ − y sin ρ, x sin ρ + y cos ρ).
     const auto add = [&](const PlayEffect& e, double along, double across) {
-      Bound& bound = bounds_[e.bound];
-      (body ? bound.cosine[*body] : bound.constant) += e.coefficient * along;
-      if (body) bound.sine[*body] += e.coefficient * across;
+      bound_of(body ? cosine_[*body] : constant_, e.bound) += e.coefficient * along;
+      if (body) bound_of(sine_[*body], e.bound) += e.coefficient * across;
     };
     for (const PlayEffect& e : d.x) add(e, values[i].x_m, -values[i].y_m);
     for (const PlayEffect& e : d.y) add(e, values[i].y_m, values[i].x_m);
@@ -85,14 +97,19 @@ void TurningPlays::add_teeth(const ClearanceModel& model, const train::ToothSet&
     }
   }
   // What a displaced flank adds is what the model says of single pitches.
-  std::vector<std::array<double, 2>> coefficient(bounds_.size());  // central gear, planet
+  const std::size_t bounds = model.middle_m.size();
+  std::vector<std::array<double, 2>> coefficient(bounds);  // central gear, planet
+  bool pitched = false;
   for (const Deviation& d : model.deviations) {
     const ToleranceSource& source = model.sources[d.source];
     if (source.kind != ToleranceKind::kSinglePitch) continue;
+    pitched = true;
     for (const PlayEffect& e : d.x) {
       coefficient[e.bound][d.body == Body::kPlanet ? 1 : 0] = e.coefficient;
     }
   }
+  if (!pitched) return;
+  passing_.resize(bounds);
   constexpr std::array<std::size_t, train::kMeshCount> kCentralBody{0, 2, 3};
   for (int planet = 0; planet < model.planets; ++planet) {
     const double place = static_cast<double>(planet) / model.planets;  // in turns
@@ -111,22 +128,21 @@ void TurningPlays::add_teeth(const ClearanceModel& model, const train::ToothSet&
         const bool planet_upper = internal ? !upper : upper;
         // The flank stands a quarter of a pitch off its tooth's middle.
         const double flank = upper ? 0.25 : -0.25;
-        Passing p{
+        passing_[bound] = {.start = zc * place - flank,
+                           .per_turn = zc * rate_[kCentralBody[k]],
+                           .offset = std::llround(facing + (internal ? -zc : zc) * place),
+                           .internal = internal,
+                           .central_teeth = zc,
+                           .planet_teeth = zp};
+        const auto& central_flanks = errors.flank_m[static_cast<std::size_t>(central)];
+        const auto& own_flanks = errors.flank_m[static_cast<std::size_t>(own)];
+        Flanks flanks{
             .bound = bound,
-            .start = zc * place - flank,
-            .per_turn = zc * rate_[kCentralBody[k]],
-            .offset = std::llround(facing + (internal ? -zc : zc) * place),
-            .internal = internal,
-            .central_teeth = zc,
-            .planet_teeth = zp,
-            .central_coefficient = coefficient[bound][0],
-            .planet_coefficient = coefficient[bound][1],
-            .central_m = one_side(errors.flank_m[static_cast<std::size_t>(central)], zc, 0, upper),
-            .planet_m =
-                one_side(errors.flank_m[static_cast<std::size_t>(own)], zp, planet, planet_upper)};
-        if (p.central_coefficient == 0.0) p.central_m.clear();
-        if (p.planet_coefficient == 0.0) p.planet_m.clear();
-        if (!p.central_m.empty() || !p.planet_m.empty()) passing_.push_back(std::move(p));
+            .central_m = one_side(central_flanks, coefficient[bound][0], zc, 0, upper),
+            .planet_m = one_side(own_flanks, coefficient[bound][1], zp, planet, planet_upper)};
+        if (!flanks.central_m.empty() || !flanks.planet_m.empty()) {
+          flanks_.push_back(std::move(flanks));
+        }
       }
     }
   }
@@ -140,34 +156,36 @@ TurningPlays::Angles TurningPlays::angles(double revolutions) const {
     angles.cosine[b] = std::cos(angle);
     angles.sine[b] = std::sin(angle);
   }
+  angles.touching.reserve(passing_.size());
+  for (const Passing& p : passing_) {
+    const long long tooth = std::llround(p.start - p.per_turn * revolutions);
+    angles.touching.push_back(
+        {.central = wrapped(tooth, p.central_teeth),
+         .planet = wrapped(p.internal ? p.offset + tooth : p.offset - tooth, p.planet_teeth)});
+  }
   return angles;
 }
 
-std::vector<PlanetPlay> TurningPlays::at(double revolutions, const Angles& angles) const {
-  std::vector<PlanetPlay> plays(static_cast<std::size_t>(planets_));
-  const auto bound_of = [&](std::size_t i) -> double& {
-    constexpr std::size_t kMeshes = train::kMeshCount;
-    MeshPlay& play = plays[i / 2U / kMeshes][i / 2U % kMeshes];
-    return i % 2U == 0U ? play.lower_m : play.upper_m;
-  };
-  for (std::size_t i = 0; i < bounds_.size(); ++i) {
-    double bound = bounds_[i].constant;
-    for (std::size_t b = 0; b < kBodies; ++b) {
-      bound += bounds_[i].cosine[b] * angles.cosine[b] + bounds_[i].sine[b] * angles.sine[b];
+std::vector<PlanetPlay> TurningPlays::at(const Angles& angles) const {
+  std::vector<PlanetPlay> plays = constant_;
+  for (std::size_t b = 0; b < kBodies; ++b) {
+    if (cosine_[b].empty()) continue;
+    const double cosine = angles.cosine[b], sine = angles.sine[b];
+    for (std::size_t planet = 0; planet < plays.size(); ++planet) {
+      for (std::size_t mesh = 0; mesh < plays[planet].size(); ++mesh) {
+        const MeshPlay& along = cosine_[b][planet][mesh];
+        const MeshPlay& across = sine_[b][planet][mesh];
+        plays[planet][mesh].lower_m += along.lower_m * cosine + across.lower_m * sine;
+        plays[planet][mesh].upper_m += along.upper_m * cosine + across.upper_m * sine;
+      }
     }
-    bound_of(i) = bound;
   }
-  for (const Passing& p : passing_) {
-    const auto tooth = std::llround(p.start - p.per_turn * revolutions);
+  for (const Flanks& f : flanks_) {
+    const Touching& teeth = angles.touching[f.bound];
     double added = 0.0;
-    if (!p.central_m.empty()) {
-      added += p.central_coefficient * p.central_m[wrapped(tooth, p.central_teeth)];
-    }
-    if (!p.planet_m.empty()) {
-      const long long own = p.internal ? p.offset + tooth : p.offset - tooth;
-      added += p.planet_coefficient * p.planet_m[wrapped(own, p.planet_teeth)];
-    }
-    bound_of(p.bound) += added;
+    if (!f.central_m.empty()) added += f.central_m[teeth.central];
+    if (!f.planet_m.empty()) added += f.planet_m[teeth.planet];
+    bound_of(plays, f.bound) += added;
   }
   return plays;
 }
@@ -246,7 +264,7 @@ Turn turn(const OutputLevers& levers, const TurningPlays& plays, const TurnWindo
   for (std::size_t i = 0; i < window.samples; ++i) {
     const double revolutions = revolutions_at(window, i);
     const double angle = kTurn * revolutions;
-    const OutputRange range = output_range(levers, plays.at(revolutions, angles[i]));
+    const OutputRange range = output_range(levers, plays.at(angles[i]));
     if (range.margin_m < result.least_margin_m) {
       result.least_margin_m = range.margin_m;
       result.least_margin_angle_rad = angle;

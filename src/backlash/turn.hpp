@@ -40,9 +40,15 @@ std::size_t flank_count(const train::ToothSet& z, int gear, int planets);
 class TurningPlays {
  public:
   static constexpr std::size_t kBodies = 4;  ///< sun, planet, R1, R2
-  /// cos ρ and sin ρ of the bodies at one angle of the output.
+  /// The teeth whose flanks touch at one bound.
+  struct Touching {
+    std::size_t central = 0, planet = 0;
+  };
+  /// cos ρ and sin ρ of the bodies at one angle of the output, and the teeth at every bound; these
+  /// only where the model has single pitches.
   struct Angles {
     std::array<double, kBodies> cosine{}, sine{};
+    std::vector<Touching> touching{};
   };
 
   /// @param values  one for each of model.deviations; those of single pitches count nothing, the
@@ -55,36 +61,35 @@ class TurningPlays {
   /// Where the output stands at as many revolutions; the same for every gearbox of a train.
   [[nodiscard]] Angles angles(double revolutions) const;
   /// Plays there.
-  /// @param angles  those of so many revolutions
-  [[nodiscard]] std::vector<PlanetPlay> at(double revolutions, const Angles& angles) const;
+  [[nodiscard]] std::vector<PlanetPlay> at(const Angles& angles) const;
   [[nodiscard]] std::vector<PlanetPlay> at(double revolutions) const {
-    return at(revolutions, angles(revolutions));
+    return at(angles(revolutions));
   }
   [[nodiscard]] int planets() const { return planets_; }
 
  private:
-  struct Bound {
-    double constant = 0.0;
-    std::array<double, kBodies> cosine{}, sine{};
-  };
-  /// The teeth that pass one bound's place.
+  /// How the teeth pass one bound's place.
   struct Passing {
-    std::size_t bound = 0;
     double start = 0.0;     ///< central gear's tooth at φ = 0, as a real number
     double per_turn = 0.0;  ///< by how many teeth that falls per revolution of the output
     long long offset = 0;   ///< planet's tooth = offset ± central gear's
     bool internal = false;
     int central_teeth = 0, planet_teeth = 0;
-    double central_coefficient = 0.0, planet_coefficient = 0.0;
-    std::vector<double> central_m, planet_m;  ///< of each tooth; empty: none
+  };
+  /// What the flanks that touch there add, for each tooth; empty: nothing.
+  struct Flanks {
+    std::size_t bound = 0;
+    std::vector<double> central_m, planet_m;
   };
 
   void add_teeth(const ClearanceModel& model, const train::ToothSet& z, const ToothErrors& errors);
 
   int planets_ = 0;
   std::array<double, kBodies> rate_{};  ///< signed revolutions against the carrier per output's
-  std::vector<Bound> bounds_;
-  std::vector<Passing> passing_;
+  std::vector<PlanetPlay> constant_;
+  std::array<std::vector<PlanetPlay>, kBodies> cosine_, sine_;  ///< empty: the body adds nothing
+  std::vector<Passing> passing_;                                ///< of every bound
+  std::vector<Flanks> flanks_;
 };
 
 /// Whole revolutions of the output after which all bodies stand against the carrier as before.

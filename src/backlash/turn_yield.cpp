@@ -12,14 +12,15 @@ namespace gear3k::backlash {
 TurnYield turn_yield(const ClearanceModel& model, const train::ToothSet& z,
                      const TurnYieldOptions& options) {
   const RandomGearbox random(model, options.scatter, options.seed);
+  const OctaveTable numbers = number_table(options.scatter);
   const TurnWindow window = turn_window(z);
   const std::vector<TurningPlays::Angles> angles = turning_angles(
       TurningPlays(model, z, std::vector<DeviationValue>(model.deviations.size())), window);
   std::atomic<std::uint64_t> assembled = 0;
   std::atomic<std::uint64_t> within = 0;
   numerics::parallel_for(options.gearboxes, [&](std::size_t i) {
-    const ToothErrors teeth =
-        random_teeth(model, z, {.seed = options.seed, .gearbox = i, .scatter = options.scatter});
+    const ToothErrors teeth = random_teeth(
+        model, z, {.seed = options.seed, .gearbox = i, .scatter = options.scatter}, numbers);
     const Turn one =
         turn(model.levers, TurningPlays(model, z, random.deviations(i), teeth), window, angles);
     if (one.jams()) return;
