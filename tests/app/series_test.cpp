@@ -13,6 +13,7 @@
 #include "io/text/diagnostics.hpp"
 #include "report/diagnosis_report.hpp"
 #include "tests/calibrate/series_scoring.hpp"
+#include "tests/sample.hpp"
 #include "tests/series_rig/series_rig.hpp"
 
 namespace gear3k::app::series_test {
@@ -40,12 +41,13 @@ series_rig::SeriesCampaign small(const std::string& name, std::uint64_t seed, in
 }
 
 TEST(Series, OwnersAreRightInNearlyAllCampaigns) {
-  // At a rate of 95 % fewer than 9 of 12 are right twice in 1000 runs.
+  // At a rate of 95 % fewer than 4 of 6, or than 9 of 12, are right twice in 1000 runs.
+  const std::uint64_t last = sample(501U, 502U);
   int right = 0, count = 0;
   for (const char* name :
        {"nothing in lost motion", "design: clearance", "part: clearance",
         "part: clearance, uniform", "both: clearance", "design: compliance; part: clearance"}) {
-    for (std::uint64_t seed = 501; seed <= 502; ++seed, ++count) {
+    for (std::uint64_t seed = 501; seed <= last; ++seed, ++count) {
       const auto score = series_rig::score(small(name, seed), false);
       right += score.right ? 1 : 0;
       for (const auto& truth : score.truths) {
@@ -55,8 +57,8 @@ TEST(Series, OwnersAreRightInNearlyAllCampaigns) {
       }
     }
   }
-  EXPECT_EQ(count, 12);
-  EXPECT_GE(right, 9);
+  EXPECT_EQ(count, sample(6, 12));
+  EXPECT_GE(right, sample(4, 9));
 }
 
 TEST(Series, TheDesignsCorrectionIsTheMeanOfTheGearboxes) {

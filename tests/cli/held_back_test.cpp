@@ -399,7 +399,7 @@ TEST(HeldBack, SearchesAgainWithTheLimitThatGainsMost) {
 TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
   const Workplace place;
   const std::string task =
-      "planets = [2, 3]\n[ratio]\ntarget = 50.0\n"
+      "planets = [2, 3]\n[ratio]\ntarget = 50.0\ntolerance = 0.002\n"
       "[teeth]\nS = [12, 14]\nP1 = [30, 40]\nP2 = [30, 40]\nR1_max = 120\nR2_max = 120\n"
       "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n";
   const json both = summary_of(place, task);
@@ -425,7 +425,7 @@ TEST(HeldBack, ProvesTheBestOfEveryNumberOfPlanetsAndSaysWhichHaveNone) {
   const Workplace place;
   // Ten planets have no room; six have a design, whose bound is below the best of three.
   place.write("spec.toml",
-              "planets = [3, 6, 10]\n[ratio]\ntarget = 30.0\n"
+              "planets = [3, 6, 10]\n[ratio]\ntarget = 30.0\ntolerance = 0.001\n"
               "[teeth]\nS = [14, 30]\nP1 = [16, 40]\nP2 = [16, 40]\nR1_max = 110\nR2_max = 110\n"
               "[module]\nstage1_mm = 0.5\nstage2_mm = { min = 0.4, max = 0.6 }\n"
               "[limits]\nplanet_gap = 1.0\n");

@@ -32,10 +32,10 @@ bool contains(const std::string& text, const std::string& part) {
 
 std::string small_spec() { return replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]"); }
 
-/// A task of some seconds, so that it can be ended within.
-std::string long_spec() {
+/// A task of several waves of tooth sets, so that it can be ended within.
+std::string long_spec(const std::string& tolerance = "0.02") {
   return replaced(replaced(example("rp96.toml"), "planets = 3", "planets = [3, 4]"),
-                  "tolerance = 0.005", "tolerance = 0.02");
+                  "tolerance = 0.005", "tolerance = " + tolerance);
 }
 
 std::string design_named(const std::string& name) {
@@ -73,7 +73,7 @@ TEST(Pipe, SpecThroughItIsTakenForWhatItHolds) {
   const auto pipe = place.file("spec");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   {
-    const NamedPipe spec(pipe, long_spec());
+    const NamedPipe spec(pipe, long_spec("0.008"));
     RunningProgram program = place.start({"optimize", "spec", "--out", "out", "--quiet"});
     ASSERT_TRUE(grows(place.file("out/optimize.journal"), 1000));
     program.send(SIGKILL);
@@ -83,17 +83,18 @@ TEST(Pipe, SpecThroughItIsTakenForWhatItHolds) {
   }
   const std::vector<std::string> resume{"optimize", "spec", "--out", "out", "--resume", "--quiet"};
   {
-    const NamedPipe other(pipe, replaced(long_spec(), "coefficient = 0.1", "coefficient = 0.05"));
+    const NamedPipe other(pipe,
+                          replaced(long_spec("0.008"), "coefficient = 0.1", "coefficient = 0.05"));
     const ProgramResult result = place.run(resume);
     EXPECT_EQ(result.exit_code, kInvalidInput);
     EXPECT_TRUE(contains(result.err, "another task")) << result.err;
   }
   {
-    const NamedPipe same(pipe, long_spec());
+    const NamedPipe same(pipe, long_spec("0.008"));
     const ProgramResult result = place.run(resume);
     EXPECT_EQ(result.exit_code, 0) << result.err;
   }
-  place.write("spec.toml", long_spec());
+  place.write("spec.toml", long_spec("0.008"));
   ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "whole", "--quiet"}).exit_code, 0);
   EXPECT_EQ(place.read("out/best.toml"), place.read("whole/best.toml"));
   EXPECT_TRUE(place.read("out/refined.csv") == place.read("whole/refined.csv"));

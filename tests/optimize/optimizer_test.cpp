@@ -156,7 +156,7 @@ TEST(Optimize, ResultsDoNotDependOnTheNumberOfThreads) {
   Specification spec = example("ratio-96.toml");
   spec.teeth.S = {.min = 12, .max = sample(12, 13)};
   std::optional<OptimizeResult> first;
-  for (const int threads : {1, 2, 4}) {
+  for (const int threads : sample(std::vector{1, 4}, std::vector{1, 2, 4})) {
     omp_set_num_threads(threads);
     Progress progress;
     OptimizeResult result = optimize(spec, progress);

@@ -15,8 +15,9 @@
 namespace gear3k::rig::diagnosis_test {
 namespace {
 
-/// Campaigns of a scenario of a group, whose rates are held over all of its scenarios together.
-const int group_seeds = sample(2, 16);
+/// Campaigns of a scenario of a group, whose rates are held over all of its scenarios together.  Of
+/// 26 cases at 95 % fewer than 20 are right once in 1000 runs, at 62 % fewer than 8.
+const int group_seeds = sample(1, 16);
 
 /// Greatest k with P(X < k) < chance and least with P(X > k) < chance, X of n cases at a true rate.
 int least_of(int cases, double rate, double chance = 0.001) {
@@ -138,7 +139,10 @@ TEST(Group, OfCausesAsLargeAsTheNoiseIsNamed) {
   EXPECT_LE(count.wrong, most_of(count.cases, kMostWrong));
   ASSERT_GT(count.intervals, 13 * group_seeds);
   EXPECT_GE(count.inside, least_of(count.intervals, 0.93));
-  EXPECT_LT(count.inside, count.intervals);
+  // Of the few of the usual run all are inside in every other one.
+  if (long_samples()) {
+    EXPECT_LT(count.inside, count.intervals);
+  }
 }
 
 // At 0.3 of the noise the table in docs/accuracy.md has 62 % right on average over the scenarios.
