@@ -21,6 +21,7 @@
 #include "geometry/sliding.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "inertia/mass_properties.hpp"
+#include "tests/sample.hpp"
 #include "tests/seeded.hpp"
 #include "train/train_geometry.hpp"
 
@@ -30,7 +31,7 @@ namespace {
 using efficiency::LossModel;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kDesigns = 300;
+const int designs = sample(100, 300);
 
 // Variables: the five profile shifts, the centre distance, the modules of both stages.
 constexpr std::size_t kVariables = 8;
@@ -361,7 +362,7 @@ TEST(Derivatives, GradientsAreTheCentralDifferencesOfTheFunctions) {
   RandomDesigns random;
   const auto names = quantity_names(random());
   Deviations values(names.size()), gradients(names.size());
-  for (int i = 0; i < kDesigns; ++i) {
+  for (int i = 0; i < designs; ++i) {
     const RandomDesign d = random();
     const auto scales = d.scales();
     const auto exact = quantities<double>(d, d.at);
@@ -403,7 +404,7 @@ TEST(Derivatives, HessiansAreTheCentralDifferencesOfTheGradients) {
     }
     return flat;
   };
-  for (int i = 0; i < kDesigns; ++i) {
+  for (int i = 0; i < designs; ++i) {
     const RandomDesign d = random();
     const auto scales = d.scales();
     const auto exact = quantities<double>(d, d.at);

@@ -127,14 +127,17 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
       }
     }
   }
-  // L Lᵀ of a random L.
-  std::vector<double> factor(count * count, 0.0);
+  // I + L Lᵀ of a random L of a few columns.
+  constexpr std::size_t kColumns = 8;
+  std::vector<double> factor(count * kColumns, 0.0);
   for (double& x : factor) x = share(generator);
   m.covariance.assign(count * count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
-      for (std::size_t k = 0; k < count; ++k) {
-        m.covariance[i * count + j] += factor[i * count + k] * factor[j * count + k];
+      double& entry = m.covariance[i * count + j];
+      entry = i == j ? 1.0 : 0.0;
+      for (std::size_t k = 0; k < kColumns; ++k) {
+        entry += factor[i * kColumns + k] * factor[j * kColumns + k];
       }
     }
   }
