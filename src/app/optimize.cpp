@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "calibrate/model/model_range.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "optimize/module_pairs.hpp"
 #include "optimize/wider_search.hpp"
 #include "report/result_tally.hpp"
 #include "units/units.hpp"
@@ -193,16 +195,28 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
     if (!result.interrupted) optimize::refine_gains(task.spec, set, own.held, progress);
     return own;
   };
+  const std::vector<optimize::RefinedSet> by_planets =
+      optimize::best_per_planets(task.spec, result.refined);
+  progress.stage_done = 0;
+  progress.searches = 1;
+  progress.stage_total = std::max<std::size_t>(1, by_planets.size());
+  progress.stage = optimize::Progress::Stage::kHeldBack;
   report::HeldBackReport report{.best = held(*result.best),
                                 .by_planets = {},
                                 .proofs = result.by_planets,
                                 .all_refined = !task.certify && !result.interrupted,
                                 .interrupted = result.interrupted};
   bool interrupted = result.interrupted;
-  for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
-    report.by_planets.push_back(set.index == result.best->index ? report.best : held(set));
+  for (const optimize::RefinedSet& set : by_planets) {
+    const bool is_best = set.index == result.best->index;
+    if (!is_best) {
+      ++progress.stage_done;
+      ++progress.searches;
+    }
+    report.by_planets.push_back(is_best ? report.best : held(set));
     interrupted = interrupted || report.by_planets.back().held.interrupted;
   }
+  progress.stage = optimize::Progress::Stage::kOne;
   optimize::HeldBack& best = report.best.held;
   if (!result.interrupted) {
     const std::size_t sets = result.search.candidates.size();
@@ -329,6 +343,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   progress.best_only = task.certify;
   const bool per_planets = task.certify && task.explain && task.spec.planets.size() > 1;
   progress.planets = per_planets && !has_own_mesh_load(task.spec) ? task.spec.planets.size() : 0;
+  const std::set<int> numbers(task.spec.planets.begin(), task.spec.planets.end());
+  progress.told = task.explain ? numbers.size() : 0;
+  progress.ties = optimize::ModulePairs::ties(task.spec);
   progress.explains = task.explain && optimize::has_bounds(task.spec);
   progress.passes_most = optimize::most_robust_passes(task.spec.robust.hold);
   // Yields are bisected to the end; in the worst case a few passes are enough as a rule.

@@ -60,10 +60,11 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-/// "1:20", or "0:40 to 3:10" where that is not known better.
+/// "1:20", "0:40 to 2:40" where that is not known better, or "at most 12:00" where hardly at all.
 std::string range_text(const optimize::RunForecast::Range& left) {
   const std::string least = clock_text(left.least_s), most = clock_text(left.most_s);
   if (left.is_one() || least == most) return clock_text(left.middle_s());
+  if (left.is_bound()) return "at most " + most;
   return fmt::format("{} to {}", least, most);
 }
 
@@ -119,6 +120,9 @@ struct ProgressDisplay::State {
       case Stage::kPlanets:
         return fmt::format("best by number of planets, {} of {}", std::min(finished + 1, total),
                            total);
+      case Stage::kHeldBack:
+        return fmt::format("what holds the best back, {} of {}", std::min(finished + 1, total),
+                           total);
       case Stage::kRelaxed:
         return fmt::format("limits left out, search {} of {}", std::min(finished + 1, total),
                            total);
@@ -166,7 +170,8 @@ struct ProgressDisplay::State {
         facts = count_of("stages bounded");
         break;
       case Phase::kRefinement:
-        facts = count_of("tooth sets refined");
+        facts = count_of(seen.stage == optimize::Progress::Stage::kHeldBack ? "limits moved"
+                                                                            : "tooth sets refined");
         if (stage.empty()) facts += fmt::format(", {} feasible", progress.feasible.load());
         break;
       case Phase::kCertificate:
@@ -199,8 +204,8 @@ struct ProgressDisplay::State {
 
   void watch() {
     using std::chrono::milliseconds;
-    constexpr int kLook_ms = 200;
-    const int every = terminal ? 1 : 25;  // looks between two lines
+    constexpr int kLook_ms = 50;           // what short phases take is told by a few looks
+    const int every = terminal ? 4 : 100;  // looks between two lines
     std::unique_lock lock(mutex);
     for (int n = 1; !wake.wait_for(lock, milliseconds(kLook_ms), [this] { return done; }); ++n) {
       if (front_budget_s > 0.0) keep_budget();

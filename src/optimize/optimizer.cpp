@@ -3,23 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
 
 #include "numerics/parallel.hpp"
-#include "optimize/blocking.hpp"
-#include "optimize/energy_box.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
-
-/// Sets refined between two looks at the best: few at first, when it is still poor.
-constexpr std::size_t kFirstWave = 32;
-constexpr std::size_t kWave = 128;
 
 /// The refinement of one task's sets.
 class Run {
@@ -112,6 +107,7 @@ class Run {
   void refine_all() {
     Contest all{.planets = std::nullopt, .order = ordered()};
     begin_refinement(all.order.size());
+    progress_.to_sharpen = progress_.later_sets = progress_.later_bounds = 0;
     progress_.feasible = 0;
     progress_.best_merit = -std::numeric_limits<double>::infinity();
     const ObjectiveRecord& first = objective_record(first_objective(spec_));
@@ -145,6 +141,17 @@ class Run {
     std::optional<RefinedSet> best{};
     std::size_t refined = 0;
   };
+
+  /// What is known of a number of planets whose turn is to come.
+  struct Later {
+    double best = -kInfinity;
+    std::size_t sets = 0;  ///< of its first wave
+  };
+
+  /// From how much above the best on a refined set may hold something better.
+  [[nodiscard]] double proven_merit() const {
+    return kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
+  }
 
   void take_bound(std::size_t k) {
     const SetBound bound = bounds_->of(k);
@@ -190,6 +197,7 @@ class Run {
       const std::vector<std::uint32_t> wave = next_wave(contest, size);
       if (wave.empty()) break;
       refine_wave(contest, wave);
+      foresee(contest);
       if (options_.any && contest.best) break;
       size = std::min(2 * size, kWave);
     }
@@ -288,6 +296,49 @@ class Run {
     if (options_.on_wave && !news.empty()) options_.on_wave(news);
   }
 
+  /// Tells progress what the certificate of a contest and the proofs after it will take, as the
+  /// best of now stand.
+  void foresee(const Contest& contest) {
+    if (!options_.best_only || !options_.certify) return;
+    const bool sharpens = follows_efficiency(first_objective(spec_));
+    const double proven = proven_merit();
+    const double best = contest.best ? merit_of(spec_, *contest.best) : kInfinity;
+    std::map<int, Later> later;
+    for (const int planets : spec_.planets) {
+      if (options_.per_planets && planets > contest.planets.value_or(0)) later[planets];
+    }
+    const auto of = [&](const RefinedSet& set) { return later.find(set.candidate.planets); };
+    for (const RefinedSet& set : result_.refined) {
+      const auto own = of(set);
+      if (own == later.end() || !has_design(set.status) || is_driven_by_none(set)) continue;
+      own->second.best = std::max(own->second.best, merit_of(spec_, set));
+    }
+    std::size_t own_bounds = 0, later_bounds = 0, later_sets = 0;
+    for (const RefinedSet& set : result_.refined) {
+      const auto sharp = sharp_.find(set.index);
+      if (!sharpens || (sharp != sharp_.end() && sharp->second.to_the_end)) continue;
+      const double bound = sharp_bound(set.index);
+      const bool running = !contest.planets || set.candidate.planets == *contest.planets;
+      if (running && bound > best + proven) {
+        ++own_bounds;
+      } else if (const auto own = of(set);
+                 own != later.end() && bound > own->second.best + proven) {
+        ++later_bounds;
+      }
+    }
+    const std::vector<Candidate>& candidates = result_.search.candidates;
+    for (std::size_t k = 0; !later.empty() && k < candidates.size(); ++k) {
+      if (is_refined(k) || !may_have_design(k)) continue;
+      const auto own = later.find(candidates[k].planets);
+      if (own == later.end() || !(bound_[k] > own->second.best + no_gain_)) continue;
+      if (own->second.sets < kFirstWave) ++own->second.sets;
+    }
+    for (const auto& [planets, own] : later) later_sets += own.sets;
+    progress_.to_sharpen = own_bounds;
+    progress_.later_bounds = later_bounds;
+    progress_.later_sets = later_sets;
+  }
+
   /// Takes a refined set into the result, in the place of what it was refined to before.
   void keep(RefinedSet set, double to_beat) {
     const bool again = is_refined(set.index);
@@ -350,6 +401,7 @@ class Run {
       Contest own = contest_of(planets);
       ++progress_.searches;
       begin_refinement(own.order.size());
+      foresee(own);
       refine(own);
       std::ranges::sort(result_.refined, {}, &RefinedSet::index);
       if (own.best) offer(*own.best, result_.best);
@@ -404,7 +456,7 @@ class Run {
   /// Takes the bounds of the refined sets that could still hold something better, sharpened, into
   /// a certificate.
   void sharpen(const Contest& contest, Certificate& c) {
-    const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
+    const double proven = proven_merit();
     std::vector<std::uint32_t> own, open;
     for (const RefinedSet& set : result_.refined) {
       if (contest.planets && set.candidate.planets != *contest.planets) continue;
@@ -483,55 +535,6 @@ class Run {
 };
 
 }  // namespace
-
-double merit_bound(const Specification& spec, const SetBound& bound, const Candidate& candidate) {
-  const auto best_of = [&](Objective objective) {
-    switch (objective) {
-      case Objective::kBackwardEfficiency:
-        return bound.eta_b;
-      case Objective::kForwardEfficiency:
-        return bound.eta_f;
-      case Objective::kCycleEnergy:
-        return spec.cycle_energy->least(
-            energy_box(spec, candidate.teeth, candidate.planets, bound.eta_f, bound.eta_b));
-      default:
-        return best_value(objective, spec, candidate.teeth, candidate.planets);
-    }
-  };
-  for (const ObjectiveLimit& limit : spec.objective_limits) {
-    const double slack =
-        design::kFeasibilityTolerance * std::abs(objective_scale(limit.objective, spec));
-    if (sense_of(limit.objective) * (best_of(limit.objective) - limit.value) < -slack) {
-      return -std::numeric_limits<double>::infinity();
-    }
-  }
-  const Objective first = first_objective(spec);
-  return sense_of(first) * best_of(first);
-}
-
-std::optional<RefinedSet> set_at(const OptimizeResult& result, std::size_t k) {
-  const auto refined = std::ranges::lower_bound(result.refined, k, {}, &RefinedSet::index);
-  if (refined != result.refined.end() && refined->index == k) return *refined;
-  if (!result.bounds) return std::nullopt;
-  const SetBound bound = result.bounds->of(k);
-  const Candidate& candidate = result.search.candidates[k];
-  RefinedSet set;
-  if (bound.infeasible) {
-    set = proven_infeasible(candidate, *bound.infeasible);
-  } else if (result.interrupted) {
-    return std::nullopt;
-  } else {
-    set.candidate = candidate;
-    set.status = Status::kBounded;
-  }
-  set.index = static_cast<std::uint32_t>(k);
-  return set;
-}
-
-void for_each_set(const OptimizeResult& result,
-                  const std::function<void(std::size_t, const std::optional<RefinedSet>&)>& visit) {
-  for (std::size_t k = 0; k < result.search.candidates.size(); ++k) visit(k, set_at(result, k));
-}
 
 OptimizeResult optimize(const Specification& spec, Progress& progress,
                         const OptimizeOptions& options) {

@@ -20,6 +20,10 @@
 
 namespace gear3k::optimize {
 
+/// Sets refined between two looks at the best: few at first, when it is still poor; each wave has
+/// twice as many as the one before, up to the second number.
+inline constexpr std::size_t kFirstWave = 32, kWave = 128;
+
 struct OptimizeOptions {
   /// Refines only sets whose bound reaches the best that was found; else all.
   bool best_only = false;

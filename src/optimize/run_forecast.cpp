@@ -3,87 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "optimize/optimizer.hpp"
 #include "optimize/relaxed_limits.hpp"
+#include "optimize/run_expectations.hpp"
 #include "optimize/wider_search.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
-
-/// What is expected of a run before it shows it, and by what factor it may be more or less.
-struct Foreseen {
-  double expected, factor;
-};
-
-// A number with a range in brackets beside it was measured, on the first nine tasks of
-// benchmarks/time_left (others in docs/peers.md, "The time left"); the number itself was chosen
-// with that in sight.  All others, and every factor, were chosen so that what is told of these
-// tasks comes near: no measurement is behind them, and other tasks may be farther off.
-
-/// Over bounding a stage of the first kind that has a design: refining a set (5 to 14), sharpening
-/// a bound (100 to 260), and a stage of the second kind (0.4 to 0.9).
-constexpr double kRefining = 5.0, kSharpening = 150.0, kSecondStage = 0.55;
-/// A stage without a design, over one with a design (0 to 0.7, half of them below 0.1).
-constexpr double kEmptyStage = 0.05;
-/// What the rest of bounding may be off by: chosen.
-constexpr double kBoundingFactor = 1.5;
-/// Sets and bounds that count as done at that: chosen.
-constexpr double kSetsExpected = 20.0, kBoundsExpected = 1.0;
-/// Of the sets whose stages have a design those to refine (0.92 to 1): pairs of modules rule out
-/// others.
-constexpr Foreseen kOpen{.expected = 0.8, .factor = 1.5};
-/// Of a search for the best alone: sets refined (0 to 32, 16 to 64 are told), bounds sharpened (1
-/// to 18, 0.75 to 12 are told).
-constexpr Foreseen kSetsOfBest{.expected = 32.0, .factor = 2.0};
-constexpr Foreseen kSharpened{.expected = 3.0, .factor = 4.0};
-/// Of the proof of the best of a number of planets: sets refined (27 to 32), bounds sharpened (0 to
-/// 13).
-constexpr Foreseen kSetsOfPlanets{.expected = 30.0, .factor = 1.5};
-constexpr Foreseen kSharpenedOfPlanets{.expected = 1.0, .factor = 5.0};
-/// Sets as many as which it costs to tell what holds the best of a number of planets back: chosen.
-constexpr double kHeldBack = 6.0;
-/// Sets that rounding costs: chosen.
-constexpr Foreseen kRounding{.expected = 30.0, .factor = 2.0};
-/// What is built after the passes for built gearboxes, over a pass, before any is built (8, by one
-/// task).
-constexpr Foreseen kBuiltAfter{.expected = 4.0, .factor = 2.0};
-/// Sets refined as many as which a search of a front takes, at its ends or in its gaps.  A narrow
-/// limit on lost motion leaves many sets without a design, and finding none costs some ten times
-/// finding one (490 to 590).  Where a third objective is limited too, its bounds leave most of them
-/// out (85 to 190); without lost motion few are left (25 to 50, of tasks outside of the nine).
-constexpr Foreseen kLostMotionAlone{.expected = 500.0, .factor = 3.0};
-constexpr Foreseen kLostMotionAndOthers{.expected = 130.0, .factor = 2.5};
-constexpr Foreseen kWithoutLostMotion{.expected = 40.0, .factor = 2.5};
-const Foreseen& front_search(const Progress::Plan& plan) {
-  if (!plan.front_lost_motion) return kWithoutLostMotion;
-  return plan.front_objectives > 2 ? kLostMotionAndOthers : kLostMotionAlone;
-}
-/// Ends of a front as many as which what is expected of a search counts when all are made: chosen.
-constexpr double kExpectedAsEnds = 2.0;
-/// Searches in the gaps, over the designs asked for: most of them may be known before (0.7 to
-/// 0.95).
-constexpr double kInGaps = 0.8;
-/// What a search in the gaps takes may be more or less than one at the ends by (0.5 to 2.8 of it).
-constexpr double kGapsOverEnds = 2.5;
-/// Searches in the gaps as many as which the ends count; after twice as many the rest costs this
-/// share of those so far, as what they found bounds the others: chosen.
-constexpr double kEndsCountAs = 4.0, kLaterInGaps = 0.6;
-/// Standard deviation of what a search in the gaps takes, over its mean, before they show it (1.2
-/// to 1.9), and the greatest factor that follows from it: chosen.
-constexpr double kScatter = 1.5, kMostScatter = 5.0;
-/// Whole searches with ranges or limits given way: where there is a design (one or two, of 0.5
-/// to 1.3 of finding the sets; none with more than kMostSearchedAgain sets or robust limits), and
-/// where there is none (25).
-constexpr Foreseen kBeyond{.expected = 1.2, .factor = 1.5};
-constexpr Foreseen kRelaxed{.expected = 15.0, .factor = 3.0};
-/// Searches for each limit left out, and items that count as done at it: chosen.
-constexpr double kForLimit = 2.5, kItemsExpected = 4.0;
-/// What takes longer than expected goes on for this part of the time that it took: chosen.
-constexpr double kGoesOn = 1.0 / 3.0;
-/// A search for the best alone that has refined more than is expected at most goes by its rate.
-constexpr auto kSetsKnown = static_cast<std::size_t>(kSetsOfBest.expected * kSetsOfBest.factor);
-/// A range whose ends are no farther apart is told as its middle: chosen.
-constexpr double kOneNumber = 2.5;
 
 using Range = RunForecast::Range;
 
@@ -93,6 +20,12 @@ void add(Range& left, double time_s, double factor = 1.0) {
 }
 void add(Range& left, const Foreseen& items, double each_s) {
   add(left, items.expected * each_s, items.factor);
+}
+
+/// Mean over the next so many numbers of planets, over the one that runs.
+double share_of_later(double numbers) {
+  const double sum = kShareOfNext * (1.0 - std::pow(kShareOfNext, numbers)) / (1.0 - kShareOfNext);
+  return numbers > 0.0 ? sum / numbers : 0.0;
 }
 
 double number_left(std::size_t done, std::size_t total) {
@@ -116,67 +49,57 @@ bool is_of_all(Progress::Stage stage) {
 
 }  // namespace
 
-ProgressSeen seen_of(const Progress& progress) {
-  return {.phase = progress.phase.load(),
-          .stage = progress.stage.load(),
-          .plan = {.front_objectives = progress.front_objectives.load(),
-                   .front_designs = progress.front_designs.load(),
-                   .front_lost_motion = progress.front_lost_motion.load(),
-                   .rounding = progress.rounding.load(),
-                   .best_only = progress.best_only.load(),
-                   .planets = progress.planets.load(),
-                   .explains = progress.explains.load(),
-                   .passes_least = progress.passes_least.load(),
-                   .passes_most = progress.passes_most.load(),
-                   .built_per_pass = progress.built_per_pass.load(),
-                   .built_after = progress.built_after.load()},
-          .done = progress.done.load(),
-          .total = progress.total.load(),
-          .stage_done = progress.stage_done.load(),
-          .stage_total = progress.stage_total.load(),
-          .searches = progress.searches.load(),
-          .sets = progress.sets.load(),
-          .first_stages = progress.first_stages.load(),
-          .empty_first = progress.empty_first.load(),
-          .empty_second = progress.empty_second.load(),
-          .open = progress.open.load(),
-          .feasible = progress.feasible.load()};
-}
-
 bool RunForecast::builds_after() const {
   return last_.stage == Stage::kBuilt && last_.stage_done == last_.stage_total;
 }
 
 bool RunForecast::is_over() const { return last_.stage == Stage::kOne && is_explained_; }
 
+/// Whether a pass for built gearboxes goes by limits that no stage of so many keeps: it is the
+/// last.
+bool RunForecast::finds_nothing() const {
+  constexpr std::size_t kMany = 5;  // times as few tell it
+  return last_.stage == Stage::kBuilt && last_.phase == Phase::kBounds &&
+         kMany * last_.empty_first >= last_.first_stages && last_.empty_first > 0 &&
+         last_.empty_first >= std::min(last_.done, last_.first_stages);
+}
+
 /// Where the time since the last look belongs.
 void RunForecast::account(double passed_s, const ProgressSeen& seen) {
-  if (last_.phase == Phase::kCertificate) bounds_.time_s += passed_s;
-  if (is_over()) return;
-  if (last_.phase == Phase::kRefinement && tells_of_sets(last_.stage)) sets_.time_s += passed_s;
-  if (!is_of_all(last_.stage)) return;
-  if (last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) {
+  if (is_over() || !is_of_all(last_.stage)) return;
+  // Modules of two stages are tied where all sets are sought, or a few at a time.
+  const bool ties = last_.phase == Phase::kBounds && last_.second_stages > 0 &&
+                    last_.done >= last_.first_stages + last_.second_stages;
+  if ((last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) && !ties) {
     finding_s_ += passed_s;
-    if (seen.phase == Phase::kRefinement) found_s_ = finding_s_;
   }
-  if (last_.phase == Phase::kBounds) stages_.time_s += passed_s;
+  if (last_.phase != Phase::kRefinement && seen.phase == Phase::kRefinement) {
+    found_s_ = finding_s_;
+  }
   if (last_.phase == Phase::kGearboxes && !builds_after()) built_s_ += passed_s;
 }
 
-/// The items that were done since the last look.
-void RunForecast::count(const ProgressSeen& seen, bool other) {
-  const std::size_t more = seen.done - (other ? 0 : last_.done);
-  if (seen.phase == Phase::kCertificate) bounds_.items += static_cast<double>(more);
-  if (seen.phase == Phase::kRefinement && tells_of_sets(seen.stage)) {
-    sets_.items += static_cast<double>(more);
-  }
-  if (!is_of_all(seen.stage)) return;
-  if (seen.phase == Phase::kBounds) {
-    const std::size_t empty = seen.empty_first + seen.empty_second;
-    const std::size_t before = other ? 0 : last_.empty_first + last_.empty_second;
-    const auto emptied = static_cast<double>(std::min(more, empty - std::min(empty, before)));
-    stages_.items += static_cast<double>(more) - (1.0 - kEmptyStage) * emptied;
-  }
+/// The items that were done since the last look, in the same phase of the same search, and their
+/// time: what passed from one phase to another is of neither.
+void RunForecast::count(double passed_s, const ProgressSeen& seen) {
+  const std::size_t more = seen.done - last_.done;
+  const auto take = [&](Work& work) {
+    work.time_s += passed_s;
+    work.items += static_cast<double>(more);
+  };
+  if (seen.phase == Phase::kCertificate) take(bounds_);
+  if (seen.phase == Phase::kRefinement && tells_of_sets(seen.stage) && !is_over()) take(sets_);
+  if (!is_of_all(seen.stage) || seen.phase != Phase::kBounds) return;
+  if (last_.done >= seen.first_stages) return;
+  const std::size_t empty = seen.empty_first + seen.empty_second;
+  const std::size_t before = last_.empty_first + last_.empty_second;
+  const auto emptied = static_cast<double>(std::min(more, empty - std::min(empty, before)));
+  const double full = static_cast<double>(more) - emptied;
+  stages_.nn += full * full;
+  stages_.nm += full * emptied;
+  stages_.mm += emptied * emptied;
+  stages_.nt += full * passed_s;
+  stages_.mt += emptied * passed_s;
 }
 
 /// A search ends, and another one begins.
@@ -201,7 +124,11 @@ void RunForecast::observe(double now_s, const ProgressSeen& seen) {
   const bool passes_end = begun_ && seen.stage == Stage::kBuilt && !builds_after() &&
                           seen.stage_done == seen.stage_total;
   if (begun_) account(now_s - last_s_, seen);
-  count(seen, other);
+  if (!other) count(now_s - last_s_, seen);
+  if (begun_ && last_.phase == Phase::kRefinement && seen.phase == Phase::kCertificate) {
+    contest_sets_ += static_cast<double>(last_.done);
+    contest_bounds_ += static_cast<double>(seen.to_sharpen);
+  }
   if (search || passes_end) end_search(now_s, seen);
   if (other) {
     rate_.restart(now_s, seen.done);
@@ -218,13 +145,28 @@ void RunForecast::observe(double now_s, const ProgressSeen& seen) {
   }
 }
 
+/// What bounding a stage that has a design takes: by least squares from the looks, those without
+/// one at what they took.
+double RunForecast::stage_s() const {
+  // That an empty one takes kEmptyStage of it counts as a look at a share of those without.
+  const double k = kEmptyStage, w = kEmptyCountsAs * (stages_.mm + stages_.nn);
+  const double aa = stages_.nn + w * k * k, ab = stages_.nm - w * k, bb = stages_.mm + w;
+  const double det = aa * bb - ab * ab;
+  if (!(det > 0.0)) return 0.0;
+  const double full_s = (stages_.nt * bb - stages_.mt * ab) / det;
+  const double empty_s = (stages_.mt * aa - stages_.nt * ab) / det;
+  if (full_s > 0.0 && empty_s >= 0.0) return full_s;
+  // One of the two takes no time.
+  return full_s > 0.0 ? stages_.nt / stages_.nn : stages_.mt / stages_.mm / k;
+}
+
 double RunForecast::set_s() const {
-  if (stages_.items == 0.0) return sets_.mean_s(0.0, 0.0);  // nothing is bounded
-  return sets_.mean_s(kRefining * stages_.mean_s(0.0, 0.0), kSetsExpected);
+  const double expected_s = kRefining * stage_s();
+  return sets_.mean_s(expected_s, expected_s > 0.0 ? kSetsExpected : 0.0);
 }
 
 double RunForecast::sharpening_s() const {
-  const double expected_s = kSharpening * stages_.mean_s(0.0, 0.0);
+  const double expected_s = kSharpening * stage_s();
   Work own = bounds_;
   if (last_.phase == Phase::kCertificate && last_.done < last_.total) {
     // The one that runs tells nothing until it takes longer than the others.
@@ -283,8 +225,10 @@ double RunForecast::search_s(Stage stage) const {
       break;
     case Stage::kBuilt:
       return searches(stage).mean_s(0.0, 0.0);
+    case Stage::kHeldBack:
+      return searches(stage).mean_s(kHeldBack * set_s(), 1.0);
     case Stage::kPlanets:
-      return kSetsOfPlanets.expected * set_s() + kSharpenedOfPlanets.expected * sharpening_s();
+      return kSetsOfPlanets.expected * (set_s() + sharpened_share() * sharpening_s());
     case Stage::kFrontEnds:
       return front_search_s();
     case Stage::kFrontGaps: {
@@ -333,15 +277,87 @@ Range RunForecast::rest_of_all() const {
   return left;
 }
 
-/// Where it refines only what may win, and has refined so many.
-Range RunForecast::rest_of_best(double refined) const {
-  const double least = kSetsOfBest.expected / kSetsOfBest.factor;
-  // Another one at least, however many it has refined.
-  Range left{
-      .least_s = std::max(1.0, least - refined) * set_s(),
-      .most_s = std::max(least, kSetsOfBest.expected * kSetsOfBest.factor - refined) * set_s()};
-  if (last_.stage == Stage::kOne) add(left, kSharpened, sharpening_s());
+/// Whether a wave of the contest that runs is over: what its certificate takes is known so far.
+bool RunForecast::is_waved() const {
+  return last_.phase == Phase::kCertificate ||
+         (last_.phase == Phase::kRefinement && last_.done >= std::min(kFirstWave, last_.total));
+}
+
+/// Sets that the wave which runs still refines.
+double RunForecast::left_of_wave() const {
+  std::size_t wave = std::min(kFirstWave, last_.total), size = kFirstWave;
+  while (wave <= last_.done && wave < last_.total) {
+    size = std::min(2 * size, kWave);
+    wave = std::min(wave + size, last_.total);
+  }
+  return std::max(1.0, number_left(last_.done, wave));
+}
+
+/// Of the sets that are refined those whose bounds are sharpened after it.
+double RunForecast::sharpened_share() const {
+  double sets = kShareCountsAs + contest_sets_;
+  double bounds = share_sharpened(last_.plan) * kShareCountsAs + contest_bounds_;
+  if (last_.phase == Phase::kRefinement && is_waved()) {
+    sets += static_cast<double>(last_.done);
+    bounds += static_cast<double>(last_.to_sharpen);
+  }
+  return bounds / sets;
+}
+
+/// A search for the best alone that has not begun to refine.
+Range RunForecast::rest_of_best() const {
+  Range left;
+  add(left, kSetsOfBest, set_s());
+  if (last_.stage == Stage::kOne) add(left, sharpened(last_.plan), sharpening_s());
   return left;
+}
+
+/// A search for the best alone, or of a number of planets, that refines or sharpens: the wave that
+/// runs is refined to its end, at most all that may win as the best stands.
+Range RunForecast::rest_of_contest() const {
+  Range left;
+  if (last_.phase == Phase::kCertificate) {
+    add(left, sharpenings_s());
+    return left;
+  }
+  const bool first = last_.done < kFirstWave;
+  const double least = left_of_wave();
+  const std::size_t end = first ? std::min<std::size_t>(last_.total, 2 * kFirstWave) : last_.total;
+  const double most = std::max(least, number_left(last_.done, end));
+  left = {.least_s = least * set_s(), .most_s = most * set_s()};
+  if (last_.stage == Stage::kBuilt) return left;
+  const double share = sharpened_share();
+  if (is_waved() || last_.stage == Stage::kPlanets) {
+    const auto known = static_cast<double>(last_.to_sharpen);
+    left.least_s += (known + share * least / 2.0) * sharpening_s();
+    left.most_s += (known + share * most) * sharpening_s();
+  } else {
+    add(left, sharpened(last_.plan), sharpening_s());
+  }
+  return left;
+}
+
+/// The proofs of the numbers of planets whose turn is to come.
+void RunForecast::add_contests(Range& left) const {
+  const bool planets = last_.stage == Stage::kPlanets;
+  if (planets && last_.stage_done == last_.stage_total) return;
+  if (planets || (is_waved() && last_.stage == Stage::kOne)) {
+    const auto sets = static_cast<double>(last_.later_sets);
+    const double to_come = planets ? number_left(last_.stage_done + 1, last_.stage_total)
+                                   : static_cast<double>(last_.plan.planets - 1);
+    const double share = sharpened_share() * share_of_later(to_come);
+    add(left, sets * set_s(), kSetsOfPlanets.factor);
+    add(left, (static_cast<double>(last_.later_bounds) + share * sets) * sharpening_s(),
+        kSetsOfPlanets.factor);
+    return;
+  }
+  // That of the best of all is proven with it.
+  const auto others = static_cast<double>(last_.plan.planets - 1);
+  add(left, kSetsOfPlanets, others * set_s());
+  add(left,
+      kSetsOfPlanets.expected * sharpened_share() * share_of_later(others) * others *
+          sharpening_s(),
+      sharpened(last_.plan).factor);
 }
 
 /// Of the search of all sets that runs.
@@ -354,7 +370,7 @@ std::optional<Range> RunForecast::rest_of_first() const {
       return std::nullopt;
     case Phase::kBounds: {
       if (!left_s) return std::nullopt;
-      left = best_only ? rest_of_best(0.0) : rest_of_all();
+      left = best_only ? rest_of_best() : rest_of_all();
       const double firsts = number_left(last_.done, last_.first_stages);
       const double seconds = number_left(last_.done, last_.total) - firsts;
       add(left,
@@ -363,14 +379,8 @@ std::optional<Range> RunForecast::rest_of_first() const {
       return left;
     }
     case Phase::kRefinement:
-      if (!best_only) {
-        add(left, number_left(last_.done, last_.total) * set_s());
-      } else if (last_.done < kSetsKnown || !left_s) {
-        left = rest_of_best(static_cast<double>(last_.done));
-      } else {
-        add(left, *left_s);
-        if (last_.stage == Stage::kOne) add(left, kSharpened, sharpening_s());
-      }
+      if (best_only) return rest_of_contest();
+      add(left, number_left(last_.done, last_.total) * set_s());
       return left;
     case Phase::kCertificate:
       add(left, sharpenings_s());
@@ -381,21 +391,6 @@ std::optional<Range> RunForecast::rest_of_first() const {
       return left;
   }
   return std::nullopt;
-}
-
-/// Of the proof of the best of a number of planets that runs.
-Range RunForecast::rest_of_planets() const {
-  Range left;
-  if (last_.stage_done == last_.stage_total) return left;
-  const double items = number_left(last_.done, last_.total);
-  if (last_.phase == Phase::kCertificate) {
-    add(left, sharpenings_s());
-    return left;
-  }
-  const double sets = std::max(1.0, kSetsOfPlanets.expected - static_cast<double>(last_.done));
-  add(left, std::min(items, last_.done < kSetsKnown ? sets : items) * set_s());
-  add(left, kSharpenedOfPlanets, sharpening_s());
-  return left;
 }
 
 /// Of the search that runs.
@@ -409,7 +404,9 @@ std::optional<Range> RunForecast::rest_of_search() const {
   const bool of_all = is_of_all(last_.stage);
   if (of_all && searches(last_.stage).items == 0.0) return rest_of_first();
   if (last_.stage == Stage::kOne) return rest_of_first();
-  if (last_.stage == Stage::kPlanets) return rest_of_planets();
+  if (last_.stage == Stage::kPlanets) {
+    return last_.stage_done == last_.stage_total ? left : rest_of_contest();
+  }
   double left_s = time_left(search_s(last_.stage), elapsed_s);
   const bool many = !of_all && last_.phase == Phase::kRefinement && last_.done >= kSetsKnown;
   if (many && last_.stage == Stage::kRelaxed) {
@@ -424,7 +421,7 @@ std::optional<Range> RunForecast::rest_of_search() const {
   const bool front = last_.stage == Stage::kFrontEnds || last_.stage == Stage::kFrontGaps;
   if (front && last_.phase == Phase::kRefinement && last_.done > 0) {
     // What the first wave finds may rule out the other sets, or none of them.
-    const bool waved = static_cast<double>(last_.done) >= kSetsOfBest.expected;
+    const bool waved = last_.done >= kFirstWave;
     left.least_s += waved ? all_s : left_s;
     left.most_s += waved ? all_s : std::max(left_s, all_s);
     return left;
@@ -481,7 +478,7 @@ void RunForecast::add_passes(Range& left) const {
   // Then the search under the limits found.
   if (plan.best_only) {
     add(left, pass_s);
-    add(left, kSharpened, sharpening_s());
+    add(left, sharpened(plan), sharpening_s());
   } else {
     add(left, found_s_ > 0.0 ? found_s_ : pass_s);
     if (last_.open > 0) {
@@ -498,13 +495,9 @@ void RunForecast::add_later(Range& left) const {
   const bool planets = last_.stage == Stage::kPlanets;
   const bool of_all = is_of_all(last_.stage) || planets;
   if (of_all && plan.planets > 0) {
-    add(left, kHeldBack * static_cast<double>(plan.planets) * set_s());
-    // That of the best of all is proven with it.
-    const double others = planets ? number_left(last_.stage_done + 1, last_.stage_total)
-                                  : static_cast<double>(plan.planets - 1);
-    add(left, kSetsOfPlanets, others * set_s());
-    add(left, kSharpenedOfPlanets, others * sharpening_s());
+    add_contests(left);
   }
+  if (of_all) add(left, static_cast<double>(plan.told) * search_s(Stage::kHeldBack));
   if (plan.front_objectives > 1) {
     const auto objectives = static_cast<double>(plan.front_objectives);
     const double in_gaps = kInGaps * static_cast<double>(plan.front_designs);
@@ -534,7 +527,7 @@ std::optional<Range> RunForecast::range_now() const {
   const std::optional<Range> running = rest_of_search();
   if (!running) return std::nullopt;
   left = *running;
-  if (last_.stage == Stage::kBuilt) add_passes(left);
+  if (last_.stage == Stage::kBuilt && !finds_nothing()) add_passes(left);
   if (!is_of_all(last_.stage) && last_.stage != Stage::kPlanets) {
     const bool gaps = last_.stage == Stage::kFrontGaps;
     const bool limits = last_.stage == Stage::kRelaxed;
@@ -544,18 +537,22 @@ std::optional<Range> RunForecast::range_now() const {
         : limits ? kRelaxed.factor
                  : 1.0);
   }
-  add_later(left);
-  add(left, rounding_s, kRounding.factor);
+  if (!finds_nothing()) {
+    add_later(left);
+    add(left, rounding_s, kRounding.factor);
+  }
   return left;
 }
 
 std::optional<Range> RunForecast::range_left() const {
   const std::optional<Range> now = range_now();
-  if (now || !told_) return now;
+  if (now) return now->told();
+  if (!told_) return std::nullopt;
   // Between two phases what was told before holds, less the time that passed.
   const double passed_s = last_s_ - told_at_s_;
   return Range{.least_s = std::max(0.0, told_->least_s - passed_s),
-               .most_s = std::max(0.0, told_->most_s - passed_s)};
+               .most_s = std::max(0.0, told_->most_s - passed_s)}
+      .told();
 }
 
 std::optional<double> RunForecast::seconds_left() const {
@@ -565,6 +562,13 @@ std::optional<double> RunForecast::seconds_left() const {
 }
 
 bool RunForecast::Range::is_one() const { return most_s <= kOneNumber * least_s; }
+
+Range RunForecast::Range::told() const {
+  if (is_one() || is_bound()) return *this;
+  return {.least_s = middle_s() / kHalfToldRange, .most_s = middle_s() * kHalfToldRange};
+}
+
+bool RunForecast::Range::is_bound() const { return most_s > kOneBound * least_s; }
 
 double RunForecast::Range::middle_s() const { return std::sqrt(least_s * most_s); }
 

@@ -16,7 +16,8 @@ struct ProgressSeen {
   Progress::Stage stage = Progress::Stage::kOne;
   Progress::Plan plan;
   std::size_t done = 0, total = 0, stage_done = 0, stage_total = 0, searches = 0;
-  std::size_t sets = 0, first_stages = 0, empty_first = 0, empty_second = 0;
+  std::size_t sets = 0, first_stages = 0, second_stages = 0, empty_first = 0, empty_second = 0;
+  std::size_t to_sharpen = 0, later_sets = 0, later_bounds = 0;
   std::size_t open = 0, feasible = 0;
 };
 ProgressSeen seen_of(const Progress& progress);
@@ -39,6 +40,9 @@ class RunForecast {
     double least_s = 0.0, most_s = 0.0;
     /// Whether its middle says it alone.
     [[nodiscard]] bool is_one() const;
+    [[nodiscard]] bool is_bound() const;  ///< whether its greater end is all that is worth telling
+    /// As it is told: where it is neither one number nor a bound, a factor of two about its middle.
+    [[nodiscard]] Range told() const;
     [[nodiscard]] double middle_s() const;  ///< as many times least as most is times it
   };
   /// Until the run ends; empty while nothing is known.
@@ -60,12 +64,13 @@ class RunForecast {
     }
   };
   void account(double passed_s, const ProgressSeen& seen);
-  void count(const ProgressSeen& seen, bool other);
+  void count(double passed_s, const ProgressSeen& seen);
   void end_search(double now_s, const ProgressSeen& seen);
   /// Whether the passes for built gearboxes are over, and more are built.
   [[nodiscard]] bool builds_after() const;
   /// Whether all searches are.
   [[nodiscard]] bool is_over() const;
+  [[nodiscard]] double stage_s() const;
   [[nodiscard]] double set_s() const;
   [[nodiscard]] double sharpening_s() const;
   [[nodiscard]] double sharpenings_s() const;
@@ -79,8 +84,13 @@ class RunForecast {
   [[nodiscard]] std::optional<Range> rest_of_search() const;
   [[nodiscard]] std::optional<Range> rest_of_first() const;
   [[nodiscard]] Range rest_of_all() const;
-  [[nodiscard]] Range rest_of_best(double refined) const;
-  [[nodiscard]] Range rest_of_planets() const;
+  [[nodiscard]] bool is_waved() const;
+  [[nodiscard]] bool finds_nothing() const;
+  [[nodiscard]] double left_of_wave() const;
+  [[nodiscard]] double sharpened_share() const;
+  [[nodiscard]] Range rest_of_best() const;
+  [[nodiscard]] Range rest_of_contest() const;
+  void add_contests(Range& left) const;
   void add_passes(Range& left) const;
   void add_later(Range& left) const;
   Work& searches(Stage stage) { return searches_.at(static_cast<std::size_t>(stage)); }
@@ -91,14 +101,20 @@ class RunForecast {
   bool begun_ = false, is_explained_ = false;  ///< ranges or limits gave way
   ProgressSeen last_;
   double last_s_ = 0.0, search_began_s_ = 0.0;
-  double item_began_s_ = 0.0;     ///< since when no item was done
-  WorkRate rate_;                 ///< of the phase
-  double finding_s_ = 0.0;        ///< search and bounds of the latest search of all sets
-  double found_s_ = 0.0;          ///< of the latest that is over
-  double built_s_ = 0.0;          ///< with gearboxes in the passes
-  Work stages_, sets_, bounds_;   ///< bounded, with a design; refined; sharpened
-  std::array<Work, 7> searches_;  ///< that are over, by Stage
-  std::optional<Range> told_;     ///< what was known last, and when
+  double item_began_s_ = 0.0;  ///< since when no item was done
+  WorkRate rate_;              ///< of the phase
+  double finding_s_ = 0.0;     ///< search and bounds of the latest search of all sets
+  double found_s_ = 0.0;       ///< of the latest that is over
+  double built_s_ = 0.0;       ///< with gearboxes in the passes
+  Work sets_, bounds_;         ///< refined; sharpened
+  /// Of stages bounded between looks: with a design n, without one m, in a time t.
+  struct Moments {
+    double nn = 0.0, nm = 0.0, mm = 0.0, nt = 0.0, mt = 0.0;
+  };
+  Moments stages_;
+  double contest_sets_ = 0.0, contest_bounds_ = 0.0;  ///< of the contests that are over
+  std::array<Work, 8> searches_;                      ///< that are over, by Stage
+  std::optional<Range> told_;                         ///< what was known last, and when
   double told_at_s_ = 0.0;
 };
 

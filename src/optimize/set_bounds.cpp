@@ -62,6 +62,7 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   if (!has_bounds(spec)) return;
   progress.sets = candidates.size();
   progress.first_stages = keys_.keys[0].size();
+  progress.second_stages = keys_.keys[1].size();
   progress.empty_first = progress.empty_second = 0;
   progress.total = keys_.keys[0].size() + keys_.keys[1].size();
   // Nobody asks what blocks a set within the limits of a front.

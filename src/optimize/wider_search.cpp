@@ -123,17 +123,28 @@ void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& h
   const Objective first = first_objective(spec);
   const double before = objective_of(spec, best, first);
   std::atomic<bool> stopped{false};
+  const auto is_moved = [](const LimitPrice& price) {
+    return price.stated && price.loosened != 0.0;
+  };
+  progress.total = 0;
+  progress.done = 0;
+  progress.phase = Progress::Phase::kRefinement;
+  progress.total = static_cast<std::size_t>(std::ranges::count_if(held.prices, is_moved));
   numerics::parallel_for(held.prices.size(), [&](std::size_t k) {
     LimitPrice& price = held.prices[k];
-    if (!price.stated || price.loosened == 0.0) return;
+    if (!is_moved(price)) return;
     const std::optional<Specification> own = relaxed_task(spec, &price);
-    if (!own) return;
+    if (!own) {
+      ++progress.done;
+      return;
+    }
     const KnownTrain start = start_in(*own, spec, best);
     const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop, &start);
     if (!again) {
       stopped = true;
       return;
     }
+    ++progress.done;
     if (!has_design(again->status)) return;
     const double gain = objective_of(*own, *again, first) - before;
     if (sense_of(first) * gain > 0.0) {

@@ -118,6 +118,32 @@ TEST(PlanetsProof, HoldsOnGridsOfShifts) {
   EXPECT_EQ(compared, wanted);
 }
 
+// What progress foresees of a certificate is what it takes.
+TEST(PlanetsProof, TakesTheBoundsThatProgressForesees) {
+  const Specification spec = small_spec("\"backward_efficiency\"");
+  Progress progress;
+  OptimizeOptions options{.best_only = true};
+  const OptimizeResult once = optimize(spec, progress, options);
+  ASSERT_TRUE(once.certificate);
+  EXPECT_EQ(progress.phase, Progress::Phase::kCertificate);
+  EXPECT_EQ(progress.to_sharpen, progress.total);
+  EXPECT_GT(progress.total, 0U);
+  EXPECT_EQ(progress.later_sets, 0U);
+  // Of the numbers of planets: no more sets than a first wave each, and at the end none.
+  options.per_planets = true;
+  Progress proven;
+  std::size_t most_later = 0;
+  options.on_wave = [&](std::span<const RefinedSet>) {
+    most_later = std::max(most_later, proven.later_sets.load());
+  };
+  const OptimizeResult run = optimize(spec, proven, options);
+  EXPECT_GT(most_later, 0U);
+  EXPECT_LE(most_later, kFirstWave * spec.planets.size());
+  EXPECT_EQ(proven.later_sets, 0U);
+  EXPECT_EQ(proven.later_bounds, 0U);
+  EXPECT_GT(run.refined.size(), once.refined.size());
+}
+
 TEST(PlanetsProof, IsLeftWhereItIsStoppedAndThatOfAllStays) {
   const Specification spec = small_spec("\"backward_efficiency\"");
   const OptimizeResult once = searched(spec, {.best_only = true});
