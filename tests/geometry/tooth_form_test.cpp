@@ -20,6 +20,7 @@
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_numbers.hpp"
+#include "tests/sample.hpp"
 #include "tests/seeded.hpp"
 
 namespace gear3k::geometry::tooth_form_test {
@@ -145,7 +146,7 @@ TEST(RackRoot, FlankIsWhatTheRollingRackLeavesAboveTheFormCircle) {
 TEST(RackRoot, FormCircleIsWhereTheRacksCornerBeginsToCut) {
   Random random(33);
   LargestDeviation largest;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < sample(100, 300); ++i) {
     const auto g = random.external();
     if (g.gear.rack.root_radius < 0.02) continue;
     const RackTooth rack(g);
