@@ -197,7 +197,6 @@ class Run {
       const std::vector<std::uint32_t> wave = next_wave(contest, size);
       if (wave.empty()) break;
       refine_wave(contest, wave);
-      foresee(contest);
       if (options_.any && contest.best) break;
       size = std::min(2 * size, kWave);
     }
@@ -293,6 +292,7 @@ class Run {
       keep(std::move(*refined[i]), to_beat);
       ++contest.refined;
     }
+    foresee(contest);
     if (options_.on_wave && !news.empty()) options_.on_wave(news);
   }
 
