@@ -243,7 +243,8 @@ NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
       variables[acting_[j]] = Scalar(about_.value[acting_[j]], static_cast<int>(j - first));
     }
     gearbox_.emplace_back(problem.states, problem.simulation,
-                          gearbox_under(problem.simulation, about_, variables), levels_);
+                          gearbox_under(problem.simulation, about_, variables), levels_,
+                          MissingRow::kEndsAll);
   }
 }
 

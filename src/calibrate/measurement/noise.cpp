@@ -177,25 +177,32 @@ std::vector<double> NoiseModel::squares_by_session(const Eigen::VectorXd& ones) 
   return squares;
 }
 
-void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
-  columns.array().colwise() *= weight.array();
-  if (remembers()) MemoryFilter(order, memory).whiten(columns);
-  if (!(session_variance > 0.0) || runs == 0) return;
-  const Eigen::VectorXd ones = whitened_ones();
-  const std::vector<double> squares = squares_by_session(ones);
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(runs, columns.cols());
-  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
-    const int r = run[static_cast<std::size_t>(i)];
-    if (r >= 0) mean.row(r) += ones[i] * columns.row(i);
-  }
-  for (int r = 0; r < runs; ++r) {
+void NoiseModel::whiten(Eigen::MatrixXd& columns) const { Whitening (*this)(columns); }
+
+Whitening::Whitening(const NoiseModel& noise) : noise_(noise) {
+  if (noise.remembers()) filter_.emplace(noise.order, noise.memory);
+  if (!(noise.session_variance > 0.0) || noise.runs == 0) return;
+  ones_ = noise.whitened_ones();
+  for (const double n : noise.squares_by_session(ones_)) {
     // (I + q u uᵀ)^(−1/2) = I − (1 − 1/√(1 + n q)) u uᵀ/n, n = uᵀu
-    const double n = squares[static_cast<std::size_t>(r)];
-    if (n > 0.0) mean.row(r) *= (1.0 - 1.0 / std::sqrt(1.0 + n * session_variance)) / n;
+    take_off_.push_back(n > 0.0 ? (1.0 - 1.0 / std::sqrt(1.0 + n * noise.session_variance)) / n
+                                : 1.0);
   }
+}
+
+void Whitening::operator()(Eigen::MatrixXd& columns) const {
+  columns.array().colwise() *= noise_.weight.array();
+  if (filter_) filter_->whiten(columns);
+  if (take_off_.empty()) return;
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(noise_.runs, columns.cols());
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
-    const int r = run[static_cast<std::size_t>(i)];
-    if (r >= 0) columns.row(i) -= ones[i] * mean.row(r);
+    const int r = noise_.run[static_cast<std::size_t>(i)];
+    if (r >= 0) mean.row(r) += ones_[i] * columns.row(i);
+  }
+  for (int r = 0; r < noise_.runs; ++r) mean.row(r) *= take_off_[static_cast<std::size_t>(r)];
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const int r = noise_.run[static_cast<std::size_t>(i)];
+    if (r >= 0) columns.row(i) -= ones_[i] * mean.row(r);
   }
 }
 

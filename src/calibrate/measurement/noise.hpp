@@ -2,6 +2,7 @@
 // How much measurements scatter, and what they look like when every row counts alike.
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "calibrate/measurement/measurement.hpp"
@@ -41,8 +42,7 @@ struct NoiseModel {
   ReadingOrder order{};  ///< of the rows, where the data tell it
   NoiseMemory memory{};  ///< of readings that follow each other so
 
-  /// Weights rows, takes off what the readings before say of each, and out of each session's mean
-  /// what sessions scatter: afterwards all rows are independent and scatter alike.
+  /// As a Whitening, for once.
   void whiten(Eigen::MatrixXd& columns) const;
   /// ln det of the rows' covariance, in units of the variance of a whitened row.
   [[nodiscard]] double log_determinant() const;
@@ -66,6 +66,21 @@ struct NoiseModel {
   [[nodiscard]] bool mixes_rows() const;
   /// Whether whiten() only changes the unit.
   [[nodiscard]] bool counts_rows_alike() const;
+};
+
+/// Weights rows, takes off what the readings before say of each, and out of each session's mean
+/// what sessions scatter: afterwards all rows are independent and scatter alike.
+class Whitening {
+ public:
+  /// @param noise  must outlive this
+  explicit Whitening(const NoiseModel& noise);
+  void operator()(Eigen::MatrixXd& columns) const;
+
+ private:
+  const NoiseModel& noise_;
+  std::optional<MemoryFilter> filter_;
+  Eigen::VectorXd ones_;          // where sessions scatter
+  std::vector<double> take_off_;  // share of its mean over its squares, by session
 };
 
 /// Unit of the last digit of the responses [SI]: the greatest power of ten from 1 down to 1e-9 of

@@ -69,7 +69,8 @@ bool LevelRange::holds(double level) const {
 }
 
 LevelledResponses::LevelledResponses(const RowStates& states, const Simulation& simulation,
-                                     const Modification& gearbox, const LevelRange& levels)
+                                     const Modification& gearbox, const LevelRange& levels,
+                                     MissingRow missing)
     : level_(points_of(levels)) {
   at_.reserve(level_.size());
   for (const double level : level_) {
@@ -77,7 +78,7 @@ LevelledResponses::LevelledResponses(const RowStates& states, const Simulation& 
     // Slopes are of use where there is something to interpolate.
     const Scalar own = levels.varies() ? Scalar(level, kSlotsBesideLevel) : Scalar(level);
     m.gearbox.friction.level = m.gearbox.friction.level * own;
-    at_.emplace_back(states, simulation, m);
+    at_.emplace_back(states, simulation, m, missing);
   }
 }
 

@@ -50,8 +50,10 @@ struct LevelledResponse {
 class LevelledResponses {
  public:
   /// @param gearbox  without derivatives in the last slot
+  /// @param missing  kEndsAll: where a row has no response, of no row may there be any
   LevelledResponses(const RowStates& states, const Simulation& simulation,
-                    const Modification& gearbox, const LevelRange& levels);
+                    const Modification& gearbox, const LevelRange& levels,
+                    MissingRow missing = MissingRow::kLeavesOthers);
 
   /// Beyond the levels the response stays as it is.
   [[nodiscard]] std::optional<LevelledResponse> of_row(std::size_t row, double level) const;

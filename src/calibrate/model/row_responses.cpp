@@ -1,6 +1,7 @@
 #include "calibrate/model/row_responses.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -134,18 +135,34 @@ void simulate(std::size_t count, const ResponseAt& response, ConditionOf conditi
 
 }  // namespace
 
+template <class PlaceOf, class ConditionOf>
+void RowResponses::simulate_all(std::size_t count, const ResponseAt& response, PlaceOf place,
+                                ConditionOf condition, MissingRow missing) {
+  std::atomic<bool> ends = false;
+  simulate(
+      count,
+      [&](const Condition& c) -> std::optional<Scalar> {
+        if (ends) return std::nullopt;
+        auto value = response(c);
+        if (!value && missing == MissingRow::kEndsAll) ends = true;
+        return value;
+      },
+      condition, [&](std::size_t k) -> auto& { return value_[place(k)]; });
+}
+
 RowResponses::RowResponses(const RowStates& states, const Simulation& simulation,
-                           const Modification& gearbox)
-    : RowResponses(states, simulation.reads_temperature(gearbox), simulation.responses(gearbox)) {}
+                           const Modification& gearbox, MissingRow missing)
+    : RowResponses(states, simulation.reads_temperature(gearbox), simulation.responses(gearbox),
+                   missing) {}
 
 RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
-                           const ResponseAt& response)
+                           const ResponseAt& response, MissingRow missing)
     : states_(states), reads_temperature_(reads_temperature), of_case_(states.cases.size()) {
   if (!reads_temperature) {
     value_.resize(states.cases.size());
-    simulate(
-        value_.size(), response, [&](std::size_t k) -> const Condition& { return states.cases[k]; },
-        [&](std::size_t k) -> auto& { return value_[k]; });
+    simulate_all(
+        value_.size(), response, [](std::size_t k) { return k; },
+        [&](std::size_t k) -> const Condition& { return states.cases[k]; }, missing);
     return;
   }
   interpolate_temperatures(response);
@@ -157,10 +174,9 @@ RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
   }
   if (left.empty()) return;
   value_.resize(states.states.size());
-  simulate(
-      left.size(), response,
-      [&](std::size_t k) -> const Condition& { return states.states[left[k]]; },
-      [&](std::size_t k) -> auto& { return value_[left[k]]; });
+  simulate_all(
+      left.size(), response, [&](std::size_t k) { return left[k]; },
+      [&](std::size_t k) -> const Condition& { return states.states[left[k]]; }, missing);
 }
 
 void RowResponses::interpolate_temperatures(const ResponseAt& response) {

@@ -28,11 +28,16 @@ struct RowStates {
   std::vector<Interpolation> interpolations;
 };
 
+/// What a row that cannot be simulated leaves of the others: all of them, or none, as whoever asks
+/// has no use for a part.  Rows that lock take the longest.
+enum class MissingRow { kLeavesOthers, kEndsAll };
+
 /// Responses by row.
 class RowResponses {
  public:
   /// Of a gearbox that is modified alike in all rows.
-  RowResponses(const RowStates& states, const Simulation& simulation, const Modification& gearbox);
+  RowResponses(const RowStates& states, const Simulation& simulation, const Modification& gearbox,
+               MissingRow missing = MissingRow::kLeavesOthers);
 
   /// Of every case once, or where the temperature counts of every state once.
   ///
@@ -43,7 +48,8 @@ class RowResponses {
   /// 3e-6 of the greatest response where it has one kink or step; what happens between two
   /// neighbouring points alone is not seen); elsewhere every state is simulated.
   /// @param response  called from several threads
-  RowResponses(const RowStates& states, bool reads_temperature, const ResponseAt& response);
+  RowResponses(const RowStates& states, bool reads_temperature, const ResponseAt& response,
+               MissingRow missing = MissingRow::kLeavesOthers);
 
   [[nodiscard]] std::optional<Scalar> of_row(std::size_t row) const;
 
@@ -56,6 +62,11 @@ class RowResponses {
     std::array<Scalar, kPoints> value;
   };
   void interpolate_temperatures(const ResponseAt& response);
+
+  /// Simulates value_[place(k)] under condition(k).
+  template <class PlaceOf, class ConditionOf>
+  void simulate_all(std::size_t count, const ResponseAt& response, PlaceOf place,
+                    ConditionOf condition, MissingRow missing);
 
   const RowStates& states_;
   bool reads_temperature_;

@@ -240,8 +240,25 @@ ResponseAt Simulation::sun_torques(const Modification& m) const {
   const auto temperature_K = [&g](const Condition& c) {
     return stated_or(c.temperature_K, temperature_of(g.design));
   };
-  const auto iterated = [&g, &m, losses,
-                         temperature_K](const Condition& c) -> std::optional<Scalar> {
+  // Passes that creep towards locking are many: whether they end in a balance plain numbers tell.
+  const auto balances = [&g, &m, temperature_K,
+                         friction = design::friction_as<double>(losses->friction),
+                         shafts = design::shafts_as<double>(losses->shafts)](const Condition& c) {
+    const design::LossyTrain<double> train{.geometry = g.fixed_geometry,
+                                           .friction = friction,
+                                           .shafts = shafts,
+                                           .face_width_m = g.face_width_m};
+    return design::operate<double>(
+               train,
+               {.sun_speed_rad_s = c.sun_speed_rad_s,
+                .output_torque_Nm = c.output_torque_Nm + value_of(more_output_torque(c, m)),
+                .temperature_K = temperature_K(c)},
+               c.direction)
+        .operation.has_value();
+  };
+  const auto iterated = [&g, &m, losses, temperature_K,
+                         balances](const Condition& c) -> std::optional<Scalar> {
+    if (!balances(c)) return std::nullopt;
     const design::LossyTrain<Scalar> train{
         .geometry = g.geometry,
         .friction = losses->friction,

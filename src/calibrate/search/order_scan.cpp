@@ -64,6 +64,7 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
   const double total = residual.left.squaredNorm();
   // Rows that count alike need no weights: a share does not depend on the waves' unit.
   const bool alike = residual.noise.counts_rows_alike();
+  const Whitening whiten(residual.noise);
   constexpr double kManyWaves = 1e5;  // rows by orders: some milliseconds
   const auto scan_part = [&](std::size_t part) {
     const int start = kFresh * static_cast<int>(part);
@@ -74,7 +75,7 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
       scan.order[at] = first + step * k;
       if (!alike) {
         whitened = now;
-        residual.noise.whiten(whitened);
+        whiten(whitened);
       }
       scan.share[at] = share_of(alike ? now : whitened, residual, total);
       for (Eigen::Index i = 0; i < now.rows(); ++i) {
