@@ -86,23 +86,59 @@ double resolution_of(const MeasurementSet& data) {
   return 0.0;
 }
 
+namespace {
+
+/// Loads at one sun torque: without an eighth of them at either end, which may be outliers.
+struct LoadsAtTorque {
+  double low = 0.0, middle = 0.0, high = 0.0;
+  double kept = 1.0;  ///< share of all of them, and of the range of what is spread evenly
+};
+LoadsAtTorque loads_at_torque(std::vector<double> loads) {
+  constexpr std::size_t kEighth = 8;
+  std::ranges::sort(loads);
+  const std::size_t off = loads.size() / kEighth;
+  return {.low = loads[off],
+          .middle = loads[loads.size() / 2],
+          .high = loads[loads.size() - 1 - off],
+          .kept = 1.0 - 2.0 * static_cast<double>(off) / static_cast<double>(loads.size())};
+}
+
+/// Whether loads at each of some sun torques of one direction, ascending, lie together as where the
+/// torques were set: close to each other, or to the loads at the next torque as far again.  Those
+/// at the limit of a sensor do not, and those that a coarse one rounds to a torque reach up to the
+/// next.
+bool lie_together(const std::vector<LoadsAtTorque>& at) {
+  constexpr double kClose = 0.5, kApart = 0.75;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double range = (at[k].high - at[k].low) / at[k].kept;
+    double step = HUGE_VAL;
+    if (k > 0) step = std::min(step, std::abs(at[k].middle - at[k - 1].middle));
+    if (k + 1 < at.size()) step = std::min(step, std::abs(at[k + 1].middle - at[k].middle));
+    const bool apart = at.size() > 1 && range <= kApart * step;
+    if (!apart && !(range <= kClose * at[k].high)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 bool is_commanded(const MeasurementSet& data) {
   if (data.readings) return data.readings->commanded;
   if (data.kind != Kind::kTransmission) return false;
-  std::map<std::pair<bool, double>, ValueRange> load_at;  // by direction and sun torque
+  std::array<std::map<double, std::vector<double>>, 2> load_at;  // by direction and sun torque
   std::set<double> responses, loads;
   for (const Observation& row : data.rows) {
     const bool forward = row.condition.direction == design::Direction::kForward;
-    load_at[{forward, row.response}].extend(row.condition.output_torque_Nm);
+    load_at[forward ? 0 : 1][row.response].push_back(row.condition.output_torque_Nm);
     responses.insert(row.response);
     loads.insert(row.condition.output_torque_Nm);
   }
   constexpr std::size_t kSeveral = 3;
   if (responses.size() < 2 || kSeveral * responses.size() > loads.size()) return false;
-  // A sensor at its limit shows one torque at any load.
-  constexpr double kSpread = 0.5;
-  return std::ranges::all_of(load_at, [](const auto& at) {
-    return at.second.high - at.second.low <= kSpread * at.second.high;
+  return std::ranges::all_of(load_at, [](const auto& of_direction) {
+    std::vector<LoadsAtTorque> at;
+    for (const auto& [torque, all] : of_direction) at.push_back(loads_at_torque(all));
+    return lie_together(at);
   });
 }
 

@@ -341,5 +341,31 @@ TEST(Commanded, IsASunTorqueOfFewValuesAtLoadsThatFollowIt) {
       {{0.1, 8.1}, {0.1, 8.3}, {0.1, 7.9}, {0.2, 16.1}, {0.2, 26.4}, {0.2, 35.8}, {0.2, 46.0}})));
 }
 
+// Small torques were set, of which the drag takes some, more of it the faster: the loads at 1 N m
+// go over half of what they reach, and every tenth reading of a load is wrong.
+TEST(Commanded, IsASunTorqueBesideDragAndOutliers) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> speed(0.0, 1.0);
+  std::vector<std::array<double, 2>> rows;
+  for (int k = 0; k < 120; ++k) {
+    const double sun = 1.0 + k % 3;
+    const double output = 10.0 * (sun - 0.2 - 0.5 * speed(random));
+    rows.push_back({sun, k % 10 == 9 ? output + (k % 20 == 9 ? -0.6 : 8.0) : output});
+  }
+  EXPECT_TRUE(is_commanded(torques(rows)));
+}
+
+// Readings in steps of 1 N m, at loads of any size up to what the sensor's limit of 3 N m shows.
+TEST(Commanded, IsNotWhatACoarseSensorReads) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> load(6.0, 45.0);
+  std::vector<std::array<double, 2>> rows;
+  for (int k = 0; k < 200; ++k) {
+    const double output = load(random);
+    rows.push_back({std::min(3.0, std::round(0.1 * output)), output});
+  }
+  EXPECT_FALSE(is_commanded(torques(rows)));
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::noise_test
