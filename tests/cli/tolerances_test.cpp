@@ -501,8 +501,8 @@ TEST(OptimizeRobust, CheapestTolerancesAreThoseOfTheFile) {
         std::tuple("P1 tooth_thickness", "tooth_thickness_um", 4.0),
         std::tuple("R2 runout", "runout_um", 12.0)}) {
     const json& list = cheapest.at("tolerances");
-    const auto own =
-        std::ranges::find_if(list, [&](const json& t) { return t.at("tolerance") == name; });
+    const auto own = std::ranges::find_if(
+        list, [&, tolerance = name](const json& t) { return t.at("tolerance") == tolerance; });
     ASSERT_NE(own, list.end()) << name;
     EXPECT_EQ(own->at("unit"), "um");
     EXPECT_EQ(own->at("stated"), stated) << name;

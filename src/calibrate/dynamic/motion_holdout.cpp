@@ -20,7 +20,7 @@ struct WindowBlocks {
   std::size_t count = 0;
 };
 
-WindowBlocks blocks_of(const std::vector<MotionWindow>& windows) {
+WindowBlocks window_blocks(const std::vector<MotionWindow>& windows) {
   WindowBlocks blocks;
   std::vector<int> logs;
   for (const MotionWindow& w : windows) {
@@ -64,7 +64,7 @@ double window_residual(const MotionWindow& window, const DriveParameters& drive)
 
 MotionHoldout hold_out(const std::vector<MotionWindow>& windows, const DriveParameters& stated,
                        const std::vector<std::size_t>& causes) {
-  const WindowBlocks blocks = blocks_of(windows);
+  const WindowBlocks blocks = window_blocks(windows);
   MotionHoldout held{.blocks = blocks.name, .residual = {}};
   held.residual.assign(windows.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t block = 0; block < blocks.count; ++block) {

@@ -137,6 +137,7 @@ bool is_commanded(const MeasurementSet& data) {
   if (responses.size() < 2 || kSeveral * responses.size() > loads.size()) return false;
   return std::ranges::all_of(load_at, [](const auto& of_direction) {
     std::vector<LoadsAtTorque> at;
+    at.reserve(of_direction.size());
     for (const auto& [torque, all] : of_direction) at.push_back(loads_at_torque(all));
     return lie_together(at);
   });
