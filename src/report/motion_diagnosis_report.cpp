@@ -242,9 +242,8 @@ Json motion_diagnosis_json(const MotionDiagnosisResult& r) {
   json["gain"] = 1.0 - d.extended_held_out_Nm / d.baseline_held_out_Nm;
   json["holdout_blocks"] = d.holdout_blocks.empty() ? Json(nullptr) : Json(d.holdout_blocks);
   // Which condition it hangs on is not looked for.
-  json["remainder"] = {{"significant", d.verdict == MotionVerdict::kUnexplained},
-                       {"along", nullptr},
-                       {"p_value", d.lack_of_fit}};
+  json["remainder"] = {
+      {"significant", d.something_left}, {"along", nullptr}, {"p_value", d.lack_of_fit}};
   json["noise_correlation"] = d.correlation;
   json["next_experiment"] =
       d.next ? motion_proposal_json(*d.next, d.effects.front().cause, r.ratio) : Json(nullptr);

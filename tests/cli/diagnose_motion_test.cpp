@@ -109,6 +109,28 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   EXPECT_EQ(actuator.exit_code, 0) << actuator.err;
 }
 
+// Inertias that are far too small are found to the letter, but no drive differs so from what is
+// stated: nothing is left to be explained, and the log is not explained.
+TEST(DiagnoseMotion, AnImplausibleCauseLeavesNoRemainder) {
+  const Workplace place;
+  put_example(place);
+  std::string actuator = place.read("a.toml"), log = place.read("m.csv");
+  const auto replace = [](std::string& text, const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace(actuator, "rotor_inertia_kgm2 = 1.81e-5", "rotor_inertia_kgm2 = 1e-9");
+  replace(actuator, "input_inertia_kgm2 = 1e-6", "input_inertia_kgm2 = 1e-9");
+  replace(log, "load_inertia_kgm2: 0.12", "load_inertia_kgm2: 0");
+  place.write("light.toml", actuator);
+  place.write("alone.csv", log);
+  const json data =
+      json::parse(place.run({"diagnose", "light.toml", "alone.csv", "--format", "json"}).out);
+  EXPECT_EQ(data.at("verdict"), "unexplained");
+  EXPECT_GT(data.at("remainder").at("p_value"), 1e-4);
+  EXPECT_EQ(data.at("remainder").at("significant"), false);
+}
+
 TEST(DiagnoseMotion, AlternativesAreIdsWithTheirNumbersBeside) {
   const Workplace place;
   put_example(place);

@@ -359,7 +359,8 @@ DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParame
   const double single = numerics::f_upper_tail(gain, 1.0, sums.degrees);
   d.p_value = std::min(1.0, single * static_cast<double>(std::max<std::size_t>(1, causes.size())));
   d.lack_of_fit = misfit(null, 0.0);
-  if (fits.empty() || (d.p_value >= options.false_discovery_rate && d.lack_of_fit >= kMisfit)) {
+  d.something_left = d.lack_of_fit < kMisfit;
+  if (fits.empty() || (d.p_value >= options.false_discovery_rate && !d.something_left)) {
     return {};
   }
   const ScoredFits all = scored(std::move(fits), sums, static_cast<double>(causes.size()));
@@ -369,11 +370,12 @@ DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParame
   }
   std::ranges::sort(d.effects, std::greater{}, &MotionEffect::delta_bic);
   d.lack_of_fit = misfit(best.statistic, static_cast<double>(best.free.size()));
+  d.something_left = d.lack_of_fit < kMisfit;
   const bool doubtful =
       std::ranges::any_of(d.effects, [](const auto& e) { return !e.alternatives.empty(); });
-  d.verdict = d.lack_of_fit < kMisfit ? MotionVerdict::kUnexplained
-              : doubtful              ? MotionVerdict::kAmbiguous
-                                      : MotionVerdict::kExplained;
+  d.verdict = d.something_left ? MotionVerdict::kUnexplained
+              : doubtful       ? MotionVerdict::kAmbiguous
+                               : MotionVerdict::kExplained;
   return best.changes;
 }
 

@@ -72,6 +72,7 @@ struct MotionDiagnosis {
   std::array<std::size_t, 2> windows{0, 0};  ///< forward, backward
   double p_value = 1.0;                      ///< of the greatest finding where nothing is wrong
   double lack_of_fit = 1.0;                  ///< p of what the causes leave
+  bool something_left = false;               ///< lack_of_fit says that it is more than noise
   double baseline_Nm = 0.0, extended_Nm = 0.0, noise_Nm = 0.0;  ///< rms of a window's mean torque
   double correlation = 0.0;                                     ///< between neighbouring windows
   /// Inertia and drag of both sides together explain as well: no load is logged.

@@ -367,5 +367,42 @@ TEST(Commanded, IsNotWhatACoarseSensorReads) {
   EXPECT_FALSE(is_commanded(torques(rows)));
 }
 
+/// Loads of any size in a range, at a sensor of a tenth of them that shows steps up to a limit.
+MeasurementSet read_by_sensor(double low_Nm, double high_Nm, double step_Nm, double limit_Nm) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> load(low_Nm, high_Nm);
+  std::vector<std::array<double, 2>> rows;
+  for (int k = 0; k < 200; ++k) {
+    const double output = load(random);
+    rows.push_back({std::min(limit_Nm, step_Nm * std::round(0.1 * output / step_Nm)), output});
+  }
+  return torques(rows);
+}
+
+// Nearly all rows are at the limit, at loads that differ by less than half of the greatest, and
+// those short of it are few and read one value each.
+TEST(Commanded, IsNotWhatASensorReadsThatIsMostlyAtItsLimit) {
+  EXPECT_FALSE(is_commanded(read_by_sensor(40.0, 60.0, 1e-5, 4.3)));
+  EXPECT_FALSE(is_commanded(read_by_sensor(40.0, 60.0, 0.02, 4.3)));
+}
+
+// Several rows at each step, one step's loads apart; at the limit they go over many steps.
+TEST(Commanded, IsNotWhatACoarseSensorReadsUpToItsLimit) {
+  EXPECT_FALSE(is_commanded(read_by_sensor(30.0, 60.0, 0.1, 4.5)));
+  EXPECT_FALSE(is_commanded(read_by_sensor(40.0, 60.0, 0.25, 4.5)));
+}
+
+// Loads scatter in proportion to what was set, from 0.1 to 6.4 N m.
+TEST(Commanded, IsASunTorqueSetInDoublingsAtLossesThatScatter) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> loss(0.2, 0.4);
+  std::vector<std::array<double, 2>> rows;
+  for (int k = 0; k < 140; ++k) {
+    const double sun = 0.1 * (1 << k % 7);
+    rows.push_back({sun, 80.0 * sun * (1.0 - loss(random))});
+  }
+  EXPECT_TRUE(is_commanded(torques(rows)));
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::noise_test
