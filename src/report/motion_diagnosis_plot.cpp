@@ -35,14 +35,17 @@ using Points = std::vector<double>;
 /// Data blocks of all series and what plots them after the layers given.
 std::string window_panel(const MotionDiagnosis& d, const std::string& name, const Points& x,
                          const Points& y, const std::string& first) {
-  const std::size_t stride = (d.rows.size() + kMostPlottedWindows - 1) / kMostPlottedWindows;
+  // Of each series by itself: senses that alternate would be lost, or all of the plot.
+  const std::size_t stride =
+      std::max<std::size_t>(1, (d.rows.size() + kMostPlottedWindows - 1) / kMostPlottedWindows);
   std::string data, plots = first;
   int count = 0;
   for (const WindowSeries& series : kWindowSeries) {
     std::string points;
-    for (std::size_t k = 0; k < d.rows.size(); k += std::max<std::size_t>(1, stride)) {
+    std::size_t seen = 0;
+    for (std::size_t k = 0; k < d.rows.size(); ++k) {
       const MotionWindow& w = d.rows[k];
-      if (w.flow != series.flow || w.sense != series.sense) continue;
+      if (w.flow != series.flow || w.sense != series.sense || seen++ % stride != 0) continue;
       points += fmt::format("{} {}\n", exact(clean(x[k])), exact(clean(y[k])));
     }
     if (points.empty()) continue;
