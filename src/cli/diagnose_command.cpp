@@ -30,7 +30,11 @@ app::DiagnoseRequest read_request(const DiagnoseOptions& options) {
   app::DiagnoseRequest request;
   request.source = options.file;
   app::Errors errors;
-  errors.collect([&] { request.subject = io::read_subject(options.file); });
+  errors.collect([&] {
+    request.subject = io::read_subject(options.file,
+                                       "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox]), "
+                                       "with logs of motion (# kind: dynamic) an ACTUATOR");
+  });
   errors.collect([&] { request.data = io::read_measurements(options.data); });
   if (!options.model.empty()) {
     errors.collect([&] {

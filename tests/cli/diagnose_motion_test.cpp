@@ -109,6 +109,17 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   EXPECT_EQ(actuator.exit_code, 0) << actuator.err;
 }
 
+// Which kind its data are a file that cannot be read does not tell.
+TEST(DiagnoseMotion, AnActuatorWithoutALogIsToldWhereItHasAPlace) {
+  const Workplace place;
+  put_example(place);
+  const ProgramResult result = place.run({"diagnose", "a.toml", "missing.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("with logs of motion (# kind: dynamic) an ACTUATOR"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("missing.csv: cannot be read"), std::string::npos) << result.err;
+}
+
 // Inertias that are far too small are found to the letter, but no drive differs so from what is
 // stated: nothing is left to be explained, and the log is not explained.
 TEST(DiagnoseMotion, AnImplausibleCauseLeavesNoRemainder) {
