@@ -157,7 +157,8 @@ double RunForecast::stage_s() const {
   const double empty_s = (stages_.mt * aa - stages_.nt * ab) / det;
   if (full_s > 0.0 && empty_s >= 0.0) return full_s;
   // One of the two takes no time.
-  return full_s > 0.0 ? stages_.nt / stages_.nn : stages_.mt / stages_.mm / k;
+  if (full_s > 0.0) return stages_.nt / stages_.nn;
+  return stages_.mm > 0.0 ? stages_.mt / stages_.mm / k : 0.0;
 }
 
 double RunForecast::set_s() const {
