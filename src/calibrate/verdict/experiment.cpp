@@ -57,14 +57,14 @@ class Distance {
   }
   [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
     const double d = difference_[condition];
-    const Eigen::VectorXd j = jacobian_.row(condition).transpose();
+    const Eigen::VectorXd j = slopes(condition);
     return value(normal_ + repeats * j * j.transpose(), moment_ + repeats * d * j,
                  total_ + repeats * d * d) -
            known_;
   }
   void take(Eigen::Index condition, double repeats) {
     const double d = difference_[condition];
-    const Eigen::VectorXd j = jacobian_.row(condition).transpose();
+    const Eigen::VectorXd j = slopes(condition);
     normal_ += repeats * j * j.transpose();
     moment_ += repeats * d * j;
     total_ += repeats * d * d;
@@ -73,6 +73,11 @@ class Distance {
   [[nodiscard]] Eigen::Index conditions() const { return difference_.size(); }
 
  private:
+  [[nodiscard]] Eigen::VectorXd slopes(Eigen::Index condition) const {
+    // A matrix without columns has no rows to point at.
+    if (jacobian_.cols() == 0) return Eigen::VectorXd(0);
+    return jacobian_.row(condition).transpose();
+  }
   static double value(const Eigen::MatrixXd& normal, const Eigen::VectorXd& moment, double total) {
     if (moment.size() == 0) return total;
     return total - moment.dot(numerics::least_norm_solution(normal, moment));
