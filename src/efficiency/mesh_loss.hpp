@@ -2,7 +2,6 @@
 // Friction loss of one mesh.
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -42,9 +41,19 @@ struct MeshContact {
   bool gear1_drives = true;
 };
 
-/// Torque of friction over that of the normal force on a gear from which on flanks jam: short of 1
-/// by rounding, as the integrals along the path have the difference for a divisor.
-inline constexpr double kJammingFriction = 1.0 - 256.0 * std::numeric_limits<double>::epsilon();
+/// The numbers of a mesh without their derivatives.
+template <class T>
+MeshContact<double> values_of(const MeshContact<T>& c) {
+  return {.z1 = c.z1,
+          .z2 = c.z2,
+          .sign = c.sign,
+          .approach_contact_ratio = value_of(c.approach_contact_ratio),
+          .recess_contact_ratio = value_of(c.recess_contact_ratio),
+          .tan_alpha_w = value_of(c.tan_alpha_w),
+          .gear1_drives = c.gear1_drives};
+}
+/// Whether they have none: the gears are as drawn.
+bool is_drawn(const MeshContact<Jet1>& c);
 
 /// Factor B of the mesh loss by Ohlendorf: 1 − ε + e_a² + e_r², ε = e_a + e_r.
 ///
@@ -62,31 +71,6 @@ T ohlendorf_factor(const T& approach, const T& recess);
 /// Source: own derivation, docs/theory §9; property-tested against numerical integration.
 template <class T>
 T sliding_factor(const T& approach, const T& recess);
-
-/// Efficiency of a pair of flanks at a distance of s base pitches from the pitch point.
-///
-///   (1 − σ μ ρ_f/r_bf)/(1 − σ μ ρ_d/r_bd),  ρ_d/r_bd = tan α_w + 2π s/z_d,
-///                                           ρ_f/r_bf = tan α_w − 2π s/z_f
-///
-/// d the driving, f the driven gear; s < 0 in approach (σ = +1), s > 0 in recess (σ = −1); teeth of
-/// a ring negative.  Source: balance of two rigid gears with one contact point,
-/// docs/theory §23; the same as eqs. 2.1-2.2 of the directional-impedance thesis.
-/// Valid: positive numerator and denominator; else the flanks jam, and 0 is returned.
-template <class T>
-T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, const T& s);
-
-/// Efficiency of a mesh under exact Coulomb friction: the mean over one base pitch, at constant
-/// torque of the driving gear, of driven over driving torque with all pairs in contact at equal
-/// normal forces.
-///
-///   η = ⟨ Σ (1 − σ_i μ ρ_fi/r_bf) / Σ (1 − σ_i μ ρ_di/r_bd) ⟩
-///
-/// Any e_a, e_r and ε, also ε ≤ 0, as sliding_factor().  Tends to the first-order model
-/// as μ → 0 with a remainder of second order.  Integrals in closed form on pieces without kinks.
-/// Source: own derivation, docs/theory §23.  Accuracy: 1e-15, for any friction.
-/// @returns 0 where the flanks jam in some position
-template <class T>
-T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu);
 
 /// Efficiency of one mesh in its drive direction.
 ///

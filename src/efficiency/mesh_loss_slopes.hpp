@@ -16,12 +16,10 @@ struct MeshEfficiencySlopes {
 enum class LossSlopes { kNone, kByCoefficient, kByAll };
 
 /// Efficiency of a mesh whose geometry does not vary, in a small part of the time that derivatives
-/// by all its numbers take: along the path of contact the torques of all pairs in contact together
-/// are linear in the position, and depend on two numbers, μ times the factors of both sides; the
-/// integrals of their quotients are closed forms.
+/// by all its numbers take.
 ///
-/// Slopes that are not wanted are not given. Accuracy: as mesh_efficiency() of a scalar with
-/// derivatives, to rounding; the closed forms are in docs/theory §23, its quadrature.
+/// Slopes that are not wanted are not given.  Accuracy: as mesh_efficiency() of a scalar with
+/// derivatives, to rounding.  Source: docs/theory §9, §23.
 MeshEfficiencySlopes mesh_efficiency_slopes(const MeshContact<double>& contact,
                                             const FlankFriction<double>& mu, LossModel model,
                                             LossSlopes wanted);

@@ -44,32 +44,34 @@ TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
     const FlankFriction<double> mu{.coefficient = random.between(0.0, i % 50 == 0 ? 3.0 : 0.3),
                                    .approach_factor = alike ? 1.0 : random.between(0.5, 2.0),
                                    .recess_factor = alike ? 1.0 : random.between(0.5, 2.0)};
-    const MeshContact<Jet1> contact{.z1 = c.z1,
+    // Of the scalar that knows nothing of drawn gears.
+    const MeshContact<Jet2> contact{.z1 = c.z1,
                                     .z2 = c.z2,
                                     .sign = c.sign,
-                                    .approach_contact_ratio = Jet1(c.approach_contact_ratio),
-                                    .recess_contact_ratio = Jet1(c.recess_contact_ratio),
-                                    .tan_alpha_w = Jet1(c.tan_alpha_w),
+                                    .approach_contact_ratio = Jet2(c.approach_contact_ratio),
+                                    .recess_contact_ratio = Jet2(c.recess_contact_ratio),
+                                    .tan_alpha_w = Jet2(c.tan_alpha_w),
                                     .gear1_drives = c.gear1_drives};
-    const Jet1 exact = mesh_efficiency<Jet1>(contact,
-                                             {.coefficient = Jet1(mu.coefficient, 0),
-                                              .approach_factor = Jet1(mu.approach_factor, 1),
-                                              .recess_factor = Jet1(mu.recess_factor, 2)},
-                                             model);
+    const Jet2 exact =
+        mesh_efficiency<Jet2>(contact,
+                              {.coefficient = Jet2::variable(mu.coefficient, 0),
+                               .approach_factor = Jet2::variable(mu.approach_factor, 1),
+                               .recess_factor = Jet2::variable(mu.recess_factor, 2)},
+                              model);
     const MeshEfficiencySlopes fast = mesh_efficiency_slopes(c, mu, model, LossSlopes::kByAll);
-    efficiency.see(i, fast.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
+    efficiency.see(i, fast.efficiency - exact.value, 1e-14 * (1.0 + std::abs(exact.value)));
     const std::array<double, 3> slope{fast.by_coefficient, fast.by_approach_factor,
                                       fast.by_recess_factor};
-    const double scale = 1.0 + exact.v.norm();
+    const double scale = 1.0 + std::hypot(exact.by_row[0], exact.by_row[1], exact.by_row[2]);
     for (std::size_t k = 0; k < 3; ++k) {
-      slopes.see(i, slope[k] - exact.v[static_cast<Eigen::Index>(k)], 1e-12 * scale);
+      slopes.see(i, slope[k] - exact.by_row[k], 1e-12 * scale);
     }
     const MeshEfficiencySlopes short_cut =
         mesh_efficiency_slopes(c, mu, model, LossSlopes::kByCoefficient);
     const MeshEfficiencySlopes value = mesh_efficiency_slopes(c, mu, model, LossSlopes::kNone);
-    slopes.see(i, short_cut.by_coefficient - exact.v[0], 1e-12 * scale);
-    efficiency.see(i, short_cut.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
-    efficiency.see(i, value.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
+    slopes.see(i, short_cut.by_coefficient - exact.by_row[0], 1e-12 * scale);
+    efficiency.see(i, short_cut.efficiency - exact.value, 1e-14 * (1.0 + std::abs(exact.value)));
+    efficiency.see(i, value.efficiency - exact.value, 1e-14 * (1.0 + std::abs(exact.value)));
   }
   efficiency.expect_allowed("efficiency");
   slopes.expect_allowed("slopes");

@@ -13,6 +13,7 @@
 #include "calibrate/measurement/value_range.hpp"
 #include "design/scalar_as.hpp"
 #include "design/sun_torque.hpp"
+#include "efficiency/coulomb_path.hpp"
 
 namespace gear3k::calibrate {
 
