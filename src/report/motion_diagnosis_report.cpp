@@ -15,8 +15,7 @@ namespace gear3k::report {
 namespace {
 
 using calibrate::kDriveCauses, calibrate::MotionDiagnosis, calibrate::MotionEffect,
-    calibrate::MotionEstimate, calibrate::MotionProposal, calibrate::MotionQuantity,
-    calibrate::MotionVerdict;
+    calibrate::MotionEstimate, calibrate::MotionProposal, calibrate::MotionQuantity;
 using io::Json;
 
 constexpr std::array<const char*, 4> kMotionVerdicts{"no_discrepancy", "explained", "ambiguous",
@@ -172,13 +171,13 @@ std::string effects_text(const MotionDiagnosisResult& r) {
 
 /// What the causes predict of what they were not fitted to.
 std::string gain_text(const MotionDiagnosis& d) {
-  if (d.holdout_blocks.empty()) return "These logs are too few to hold some of them out.\n";
-  const double gain = 1.0 - d.extended_held_out_Nm / d.baseline_held_out_Nm;
+  const calibrate::MotionHoldout& held = d.held_out;
+  if (held.blocks.empty()) return "These logs are too few to hold some of them out.\n";
   return fmt::format(
       "held out (by {}): {:.4g} N m, {:.4g} as stated: on data that it has not seen the extended "
       "model is {} % {}.\n",
-      d.holdout_blocks, d.extended_held_out_Nm, d.baseline_held_out_Nm,
-      fixed(std::abs(percent(gain)), 0), gain >= 0.0 ? "better" : "worse");
+      held.blocks, held.extended_Nm, held.baseline_Nm, fixed(std::abs(percent(held.gain())), 0),
+      held.gain() >= 0.0 ? "better" : "worse");
 }
 
 std::string quantities_text(const MotionDiagnosisResult& r) {
@@ -235,15 +234,15 @@ Json motion_diagnosis_json(const MotionDiagnosisResult& r) {
       list_json(d.quantities, [&](const auto& q) { return motion_quantity_json(q, r.ratio); });
   json["rmse"] = {{"baseline_train", d.baseline_Nm},
                   {"extended_train", d.extended_Nm},
-                  {"baseline_holdout", d.baseline_held_out_Nm},
-                  {"extended_holdout", d.extended_held_out_Nm},
+                  {"baseline_holdout", d.held_out.baseline_Nm},
+                  {"extended_holdout", d.held_out.extended_Nm},
                   {"noise_floor", d.noise_Nm},
                   {"unit", "Nm"}};
-  json["gain"] = 1.0 - d.extended_held_out_Nm / d.baseline_held_out_Nm;
-  json["holdout_blocks"] = d.holdout_blocks.empty() ? Json(nullptr) : Json(d.holdout_blocks);
+  json["gain"] = d.held_out.gain();
+  json["holdout_blocks"] = d.held_out.blocks.empty() ? Json(nullptr) : Json(d.held_out.blocks);
   // Which condition it hangs on is not looked for.
   json["remainder"] = {
-      {"significant", d.something_left}, {"along", nullptr}, {"p_value", d.lack_of_fit}};
+      {"significant", d.leaves_something()}, {"along", nullptr}, {"p_value", d.lack_of_fit}};
   json["noise_correlation"] = d.correlation;
   json["next_experiment"] =
       d.next ? motion_proposal_json(*d.next, d.effects.front().cause, r.ratio) : Json(nullptr);
@@ -284,11 +283,12 @@ std::string motion_window_csv(const MotionDiagnosisResult& r) {
   for (std::size_t k = 0; k < d.rows.size(); ++k) {
     const auto& w = d.rows[k];
     const double root = w.term[4];
+    const std::vector<double>& held = d.held_out.residual;
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", exact(w.time_s), exact(w.duration_s),
                         w.flow > 0 ? "forward" : "backward", w.sense, exact(w.term[0] / root),
                         exact(w.term[1] / root), exact(-w.term[3] / root), exact(w.motor_Nm / root),
                         exact(d.baseline[k]), exact(d.extended[k]),
-                        std::isfinite(d.held_out[k]) ? exact(d.held_out[k]) : "");
+                        std::isfinite(held[k]) ? exact(held[k]) : "");
   }
   return text;
 }

@@ -21,7 +21,6 @@ using numerics::square;
 
 constexpr double kLeastProbability = 0.05;  // of an alternative that is told
 constexpr double kImplausible = 20.0;       // times what is stated: no drive's, but a wrong unit
-constexpr double kMisfit = 1e-4;            // p below which the causes do not explain
 
 /// Causes that these data could show at all.
 std::vector<std::size_t> possible_changes(const WindowSums& sums, const DriveParameters& stated) {
@@ -233,19 +232,14 @@ void add_held_out(MotionDiagnosis& d, const DriveParameters& stated) {
   std::vector<std::size_t> causes;
   for (const MotionEffect& e : d.effects) causes.push_back(e.cause);
   std::ranges::sort(causes);
-  MotionHoldout held = hold_out(d.rows, stated, causes);
-  d.holdout_blocks = held.blocks;
-  d.held_out = std::move(held.residual);
-  if (held.blocks.empty()) return;
-  d.baseline_held_out_Nm = held.baseline_Nm;
-  d.extended_held_out_Nm = held.extended_Nm;
-  const auto known = static_cast<std::size_t>(
-      std::ranges::count_if(d.held_out, [](double r) { return std::isfinite(r); }));
-  if (known < d.rows.size()) {
+  d.held_out = hold_out(d.rows, stated, causes);
+  const auto known =
+      std::ranges::count_if(d.held_out.residual, [](double r) { return std::isfinite(r); });
+  if (!d.held_out.blocks.empty() && known < std::ssize(d.rows)) {
     d.notes.push_back(fmt::format(
         "the errors held out are of {} of {} windows: without the others ({}) the rest does not "
         "fix the causes' numbers",
-        known, d.rows.size(), held.blocks == "log" ? "whole logs" : "parts of the log"));
+        known, d.rows.size(), d.held_out.blocks == "log" ? "whole logs" : "parts of the log"));
   }
 }
 
@@ -359,8 +353,7 @@ DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParame
   const double single = numerics::f_upper_tail(gain, 1.0, sums.degrees);
   d.p_value = std::min(1.0, single * static_cast<double>(std::max<std::size_t>(1, causes.size())));
   d.lack_of_fit = misfit(null, 0.0);
-  d.something_left = d.lack_of_fit < kMisfit;
-  if (fits.empty() || (d.p_value >= options.false_discovery_rate && !d.something_left)) {
+  if (fits.empty() || (d.p_value >= options.false_discovery_rate && !d.leaves_something())) {
     return {};
   }
   const ScoredFits all = scored(std::move(fits), sums, static_cast<double>(causes.size()));
@@ -370,12 +363,11 @@ DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParame
   }
   std::ranges::sort(d.effects, std::greater{}, &MotionEffect::delta_bic);
   d.lack_of_fit = misfit(best.statistic, static_cast<double>(best.free.size()));
-  d.something_left = d.lack_of_fit < kMisfit;
   const bool doubtful =
       std::ranges::any_of(d.effects, [](const auto& e) { return !e.alternatives.empty(); });
-  d.verdict = d.something_left ? MotionVerdict::kUnexplained
-              : doubtful       ? MotionVerdict::kAmbiguous
-                               : MotionVerdict::kExplained;
+  d.verdict = d.leaves_something() ? MotionVerdict::kUnexplained
+              : doubtful           ? MotionVerdict::kAmbiguous
+                                   : MotionVerdict::kExplained;
   return best.changes;
 }
 

@@ -2,16 +2,19 @@
 // What a log of motion says about a drive: verdict, causes, numbers, what to move next.
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrate/dynamic/drive_parameters.hpp"
+#include "calibrate/dynamic/motion_holdout.hpp"
 #include "calibrate/dynamic/motion_record.hpp"
 #include "calibrate/dynamic/motion_windows.hpp"
 
 namespace gear3k::calibrate {
+
+/// p below which the causes do not explain.
+inline constexpr double kMisfit = 1e-4;
 
 enum class MotionVerdict { kNoDiscrepancy, kExplained, kAmbiguous, kUnexplained };
 
@@ -72,7 +75,6 @@ struct MotionDiagnosis {
   std::array<std::size_t, 2> windows{0, 0};  ///< forward, backward
   double p_value = 1.0;                      ///< of the greatest finding where nothing is wrong
   double lack_of_fit = 1.0;                  ///< p of what the causes leave
-  bool something_left = false;               ///< lack_of_fit says that it is more than noise
   double baseline_Nm = 0.0, extended_Nm = 0.0, noise_Nm = 0.0;  ///< rms of a window's mean torque
   double correlation = 0.0;                                     ///< between neighbouring windows
   /// Inertia and drag of both sides together explain as well: no load is logged.
@@ -80,12 +82,10 @@ struct MotionDiagnosis {
   DriveParameters drive;  ///< as found
   std::vector<MotionWindow> rows;
   std::vector<double> baseline, extended;  ///< residuals of each window's mean torque [N m]
-  std::string holdout_blocks;              ///< "log" or "time"; "": nothing can be held out
-  std::vector<double> held_out;            ///< as extended, fitted without the window's block
-  /// rms of the windows that are known when held out; NaN: none.
-  double baseline_held_out_Nm = std::numeric_limits<double>::quiet_NaN();
-  double extended_held_out_Nm = std::numeric_limits<double>::quiet_NaN();
+  MotionHoldout held_out{};
   std::vector<std::string> notes;
+  /// Whether what the causes leave is more than noise.
+  [[nodiscard]] bool leaves_something() const { return lack_of_fit < kMisfit; }
 };
 
 /// Diagnoses logs of one drive by windows (motion_windows()), every set of at most three causes

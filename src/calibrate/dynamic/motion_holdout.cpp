@@ -55,13 +55,6 @@ std::vector<MotionWindow> without(const std::vector<MotionWindow>& windows,
 
 }  // namespace
 
-double window_residual(const MotionWindow& window, const DriveParameters& drive) {
-  const auto beta = drive_coefficients(drive, window.flow, window.load_kgm2);
-  double left = window.motor_Nm;
-  for (std::size_t j = 0; j < 4; ++j) left -= beta.at(j) * window.term.at(j);
-  return left / window.term[4];
-}
-
 MotionHoldout hold_out(const std::vector<MotionWindow>& windows, const DriveParameters& stated,
                        const std::vector<std::size_t>& causes) {
   const WindowBlocks blocks = window_blocks(windows);
@@ -88,7 +81,10 @@ MotionHoldout hold_out(const std::vector<MotionWindow>& windows, const DrivePara
     extended += held.residual[k] * held.residual[k];
     known += 1.0;
   }
-  if (known == 0.0) return {.blocks = "", .residual = held.residual};
+  if (known == 0.0) {
+    held.blocks.clear();
+    return held;
+  }
   held.baseline_Nm = std::sqrt(baseline / known);
   held.extended_Nm = std::sqrt(extended / known);
   return held;

@@ -1,16 +1,14 @@
 #pragma once
 // What a drive that was found predicts of a log that it has not seen.
 
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "calibrate/dynamic/motion_diagnosis.hpp"
+#include "calibrate/dynamic/drive_parameters.hpp"
+#include "calibrate/dynamic/motion_windows.hpp"
 
 namespace gear3k::calibrate {
-
-/// What is left of a window's mean motor torque by the model.
-/// @returns N m at the output
-double window_residual(const MotionWindow& window, const DriveParameters& drive);
 
 struct MotionHoldout {
   /// "log", where there are at least three; "time": five parts of the log, one after the other, as
@@ -19,7 +17,10 @@ struct MotionHoldout {
   /// Residual of each window by the causes' numbers fitted without its block [N m at the output];
   /// NaN: the others do not fix them.
   std::vector<double> residual;
-  double baseline_Nm = 0.0, extended_Nm = 0.0;  ///< rms, over the same windows
+  /// Root mean squares, as stated and with the causes, over the windows that have a residual; NaN:
+  /// none has.
+  double baseline_Nm = std::numeric_limits<double>::quiet_NaN(), extended_Nm = baseline_Nm;
+  [[nodiscard]] double gain() const { return 1.0 - extended_Nm / baseline_Nm; }
 };
 
 /// Refits the numbers of the given causes without each block, and predicts it by them.

@@ -450,6 +450,13 @@ std::vector<TorqueSample> torque_samples(const MotionRecord& record, const Drive
   return samples;
 }
 
+double window_residual(const MotionWindow& window, const DriveParameters& drive) {
+  const auto beta = drive_coefficients(drive, window.flow, window.load_kgm2);
+  double left = window.motor_Nm;
+  for (std::size_t j = 0; j < 4; ++j) left -= beta.at(j) * window.term.at(j);
+  return left / window.term[4];
+}
+
 std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive) {
   const std::vector<std::vector<MotionPiece>> pieces = all_pieces(record, drive);
   double samples = 0.0;

@@ -39,6 +39,11 @@ struct MotionWindow {
 /// @param drive  tells which flow a sample has
 std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive);
 
+/// What a drive leaves of a window's mean motor torque [N m at the output].
+///
+///   τ − β_a a − β_w w − β_s s + β_T T_L,   β of drive_coefficients()
+double window_residual(const MotionWindow& window, const DriveParameters& drive);
+
 /// What is left of the motor's torque at a sample, over the output's angle.
 struct TorqueSample {
   double angle_rad = 0.0, speed_rad_s = 0.0, left_Nm = 0.0;

@@ -58,7 +58,8 @@ TEST(MotionHoldout, PredictsEachLogByTheDragOfTheOthers) {
     }
     const auto sums = window_sums(others);
     ASSERT_TRUE(sums);
-    const double drag = fit_drive(*sums, stated, {kMotorCoulombChange}).changes.at(2);
+    const double drag =
+        fit_drive(*sums, stated, {kMotorCoulombChange}).changes.at(kMotorCoulombChange);
     for (std::size_t k = 0; k < windows.size(); ++k) {
       if (windows[k].log != log) continue;
       EXPECT_NEAR(held.residual[k], left_of(windows[k], bench, drag), 1e-9) << log;
@@ -75,7 +76,8 @@ TEST(MotionHoldout, FewerLogsAreHeldOutInFiveParts) {
   // The drag that each window was predicted with: few, in runs, none that of the whole.
   const auto sums = window_sums(windows);
   ASSERT_TRUE(sums);
-  const double whole = fit_drive(*sums, stated, {kMotorCoulombChange}).changes.at(2);
+  const double whole =
+      fit_drive(*sums, stated, {kMotorCoulombChange}).changes.at(kMotorCoulombChange);
   std::vector<double> drags;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const double drag = windows[k].sense * (left_of(windows[k], bench, 0.0) - held.residual[k]);
@@ -91,10 +93,10 @@ TEST(MotionHoldout, ErrorsAreThoseOfTheNoiseWhereTheCauseIsFound) {
   const auto d = diagnose_motion(logs(4, 0.12, false), stated, {});
   ASSERT_TRUE(d);
   ASSERT_EQ(d->effects.size(), 1U);
-  EXPECT_GT(d->baseline_held_out_Nm, 0.11);
+  EXPECT_GT(d->held_out.baseline_Nm, 0.11);
   // Least squares are least on what they were fitted to; the bench's torque is 0.02 N m off.
-  EXPECT_GT(d->extended_held_out_Nm, d->extended_Nm);
-  EXPECT_LT(d->extended_held_out_Nm, 1.3 * std::hypot(d->noise_Nm, 0.02));
+  EXPECT_GT(d->held_out.extended_Nm, d->extended_Nm);
+  EXPECT_LT(d->held_out.extended_Nm, 1.3 * std::hypot(d->noise_Nm, 0.02));
 }
 
 TEST(MotionHoldout, WhereNothingIsFoundTheDriveAsStatedPredicts) {
