@@ -68,20 +68,6 @@ std::string axis_title(std::string_view title, std::string_view unit) {
   return unit.empty() ? std::string(title) : fmt::format("{} ({})", title, unit);
 }
 
-/// A range around values, with room.
-ValueRange range_around(const std::vector<double>& values) {
-  const ValueRange range = calibrate::range_of(values);
-  if (!range.known()) return {.low = 0.0, .high = 1.0};
-  constexpr double kRoom = 0.06;
-  double room = kRoom * (range.high - range.low);
-  if (!(room > 0.0)) room = range.low != 0.0 ? kRoom * std::abs(range.low) : kRoom;
-  return {.low = range.low - room, .high = range.high + room};
-}
-
-std::string range_text(const char* axis, const ValueRange& range) {
-  return fmt::format("set {}range [{}:{}]\n", axis, number(range.low), number(range.high));
-}
-
 /// Points of each series as data blocks, and what plots them.
 struct Layers {
   std::string data;
@@ -150,16 +136,13 @@ std::string comparison_script(const Diagnosis& d, const MeasurementSet& set) {
   std::vector<double> all = v.measured;
   all.insert(all.end(), v.baseline.begin(), v.baseline.end());
   all.insert(all.end(), v.extended.begin(), v.extended.end());
-  const ValueRange range = range_around(all);
   std::string text = plot_prologue(1000, 560);
-  text += fmt::format(
-      "set multiplot layout 1,2 title {} margins 0.08,0.98,0.12,0.84 spacing 0.1\n"
-      "set grid lc rgb '#e0e0e0'\nset key top left\nset format '%g'\nset samples 2\n"
-      "set xlabel {}\nset ylabel {}\n{}{}",
-      plot_text(fmt::format("{}measured against simulated{}", subject_title(d), thinned_text(set))),
-      plot_text("simulated " + axis_title(response.title, response.unit)),
-      plot_text("measured " + axis_title(response.title, response.unit)), range_text("x", range),
-      range_text("y", range));
+  text += panels_beside(
+      fmt::format("{}measured against simulated{}", subject_title(d), thinned_text(set)));
+  text += fmt::format("set xlabel {}\nset ylabel {}\n{}{}",
+                      plot_text("simulated " + axis_title(response.title, response.unit)),
+                      plot_text("measured " + axis_title(response.title, response.unit)),
+                      plot_range("x", all), plot_range("y", all));
   const auto panel = [&](const char* name, const std::string& title, const std::vector<double>& x) {
     Layers layers = point_layers(set, name, x, v.measured);
     std::vector<std::string> plots{"x with lines lc rgb '#808080' notitle"};
@@ -322,15 +305,12 @@ std::string residual_script(const Diagnosis& d, const MeasurementSet& set) {
   all.insert(all.end(), after.begin(), after.end());
   all.push_back(0.0);
   std::string text = plot_prologue(900, 720);
+  text +=
+      panels_below(fmt::format("{}measured less simulated{}", subject_title(d), thinned_text(set)));
   text += fmt::format(
-      "set multiplot layout 2,1 title {}\nset lmargin 13\nset rmargin 3\n"
-      "set grid lc rgb '#e0e0e0'\nset format '%g'\nset samples 2\n"
-      "set key outside top center horizontal\nset xlabel {}\nset ylabel {}\n{}{}{}",
-      plot_text(fmt::format("{}measured less simulated{}", subject_title(d), thinned_text(set))),
-      plot_text(abscissa.title),
+      "set xlabel {}\nset ylabel {}\n{}{}{}", plot_text(abscissa.title),
       plot_text(axis_title(fmt::format("residual of {}", response.title), response.unit)),
-      range_text("x", range_around(abscissa.value)), range_text("y", range_around(all)),
-      abscissa.ticks);
+      plot_range("x", abscissa.value), plot_range("y", all), abscissa.ticks);
   const double noise = d.errors.noise_floor / response.si;
   const auto panel = [&](const char* name, const char* label, const std::vector<double>& y) {
     std::vector<std::string> plots{"0 with lines lc rgb '#404040' notitle"};

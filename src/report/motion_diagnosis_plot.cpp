@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "report/diagnosis_plot.hpp"
 #include "report/display.hpp"
 #include "report/motion_diagnosis_report.hpp"
 
@@ -16,7 +17,6 @@ using calibrate::MotionDiagnosis, calibrate::MotionWindow;
 
 constexpr const char* kMeasuredPlot = "measured_vs_simulated";
 constexpr const char* kResidualPlot = "residuals";
-constexpr std::size_t kMostPlottedWindows = 4000;
 
 /// Windows that look alike.
 struct WindowSeries {
@@ -35,9 +35,9 @@ using Points = std::vector<double>;
 /// Data blocks of all series and what plots them after the layers given.
 std::string window_panel(const MotionDiagnosis& d, const std::string& name, const Points& x,
                          const Points& y, const std::string& first) {
-  // Of each series by itself: senses that alternate would be lost, or all of the plot.
+  // Thinned series by series: of senses that alternate every second window has but one.
   const std::size_t stride =
-      std::max<std::size_t>(1, (d.rows.size() + kMostPlottedWindows - 1) / kMostPlottedWindows);
+      std::max<std::size_t>(1, (d.rows.size() + kMostPlottedRows - 1) / kMostPlottedRows);
   std::string data, plots = first;
   int count = 0;
   for (const WindowSeries& series : kWindowSeries) {
@@ -57,20 +57,6 @@ std::string window_panel(const MotionDiagnosis& d, const std::string& name, cons
   return fmt::format("{}plot {}\n", data, plots);
 }
 
-std::string window_range(const char* axis, const Points& a, const Points& b) {
-  double low = a.front(), high = a.front();
-  for (const Points* values : {&a, &b}) {
-    for (const double v : *values) {
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  }
-  constexpr double kRoom = 0.06;
-  const double room = high > low ? kRoom * (high - low) : std::max(kRoom, kRoom * std::abs(high));
-  return fmt::format("set {}range [{}:{}]\n", axis, exact(clean(low - room)),
-                     exact(clean(high + room)));
-}
-
 std::string motion_subject(const MotionDiagnosisResult& r) {
   return r.subject.empty() ? "" : r.subject + ": ";
 }
@@ -83,16 +69,15 @@ std::string torque_script(const MotionDiagnosisResult& r) {
     stated.push_back(measured.back() - d.baseline[k]);
     found.push_back(measured.back() - d.extended[k]);
   }
-  Points simulated = stated;
-  simulated.insert(simulated.end(), found.begin(), found.end());
+  Points all = measured;
+  all.insert(all.end(), stated.begin(), stated.end());
+  all.insert(all.end(), found.begin(), found.end());
   std::string text = plot_prologue(1000, 560);
-  text += fmt::format(
-      "set multiplot layout 1,2 title {} margins 0.08,0.98,0.12,0.84 spacing 0.1\n"
-      "set grid lc rgb '#e0e0e0'\nset key top left\nset format '%g'\nset samples 2\n"
+  text += panels_beside(motion_subject(r) + "means of the windows, logged against simulated");
+  text +=
       "set xlabel 'simulated motor torque at the output (Nm)'\n"
-      "set ylabel 'logged motor torque at the output (Nm)'\n{}{}",
-      plot_text(motion_subject(r) + "means of the windows, logged against simulated"),
-      window_range("x", simulated, measured), window_range("y", simulated, measured));
+      "set ylabel 'logged motor torque at the output (Nm)'\n";
+  text += plot_range("x", all) + plot_range("y", all);
   const std::string diagonal = "x with lines lc rgb '#808080' notitle";
   text += fmt::format("set title 'as stated: {:.3g} Nm off (noise {:.3g} Nm)'\n", d.baseline_Nm,
                       d.noise_Nm);
@@ -130,15 +115,12 @@ std::string motion_residual_script(const MotionDiagnosisResult& r) {
   Points x;
   for (const MotionWindow& w : d.rows) x.push_back(axis.sign * w.term.at(axis.term) / w.term[4]);
   Points all = d.baseline;
+  all.insert(all.end(), d.extended.begin(), d.extended.end());
   all.push_back(0.0);
   std::string text = plot_prologue(900, 720);
-  text += fmt::format(
-      "set multiplot layout 2,1 title {}\nset lmargin 13\nset rmargin 3\n"
-      "set grid lc rgb '#e0e0e0'\nset format '%g'\nset samples 2\n"
-      "set key outside top center horizontal\nset xlabel '{}'\n"
-      "set ylabel 'residual of the motor torque (Nm)'\n{}{}",
-      plot_text(motion_subject(r) + "logged less simulated, means of the windows"), axis.title,
-      window_range("x", x, x), window_range("y", all, d.extended));
+  text += panels_below(motion_subject(r) + "logged less simulated, means of the windows");
+  text += fmt::format("set xlabel '{}'\nset ylabel 'residual of the motor torque (Nm)'\n{}{}",
+                      axis.title, plot_range("x", x), plot_range("y", all));
   const std::string noise = fmt::format(
       "0 with lines lc rgb '#404040' notitle, {0} with lines dt 2 lc rgb '#808080' title "
       "'noise ±1 sd', -{0} with lines dt 2 lc rgb '#808080' notitle",
