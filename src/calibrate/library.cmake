@@ -53,6 +53,7 @@ gear3k_library(calibrate
     loops/zero_before_jump.cpp
     loops/zero_phase_filter.cpp
     measurement/blank_conditions.cpp
+    measurement/commanded_torque.cpp
     measurement/covariate_levels.cpp
     measurement/noise.cpp
     measurement/noise_memory.cpp

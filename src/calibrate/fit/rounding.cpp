@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibrate/fit/screen.hpp"
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "numerics/distributions.hpp"
 

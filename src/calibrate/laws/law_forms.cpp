@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/condition_quantity.hpp"
 
 namespace gear3k::calibrate {

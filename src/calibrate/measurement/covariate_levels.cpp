@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "units/units.hpp"
 

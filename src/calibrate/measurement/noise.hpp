@@ -87,11 +87,6 @@ class Whitening {
 /// the column's unit of which all are multiples; 0 where none is.
 double resolution_of(const MeasurementSet& data);
 
-/// Whether the sun's torque was set and the output's was read: it takes a third as many values,
-/// most of them several times, at loads that lie together.  Readings of a sensor so coarse that it
-/// shows few values may pass for it, but not where it is at its limit.
-bool is_commanded(const MeasurementSet& data);
-
 NoiseModel make_noise_model(const MeasurementSet& data);
 
 /// The noise of some of the rows, ascending; sessions keep their numbers.

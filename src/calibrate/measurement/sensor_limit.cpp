@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/left_out_rows.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "numerics/median.hpp"

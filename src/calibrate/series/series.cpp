@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/covariate_levels.hpp"
 #include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/model/model_range.hpp"

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "calibrate/measurement/commanded_torque.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/search/order_scan.hpp"
 
