@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace gear3k::calibrate {
@@ -18,17 +19,14 @@ LinearSets::LinearSets(const Columns& columns, std::vector<Block> blocks, const 
       rows_(static_cast<double>(columns.residual.size())),
       known_(problem.noise.known_scale()) {}
 
-double LinearSets::score(const std::vector<std::size_t>& set) const {
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
+std::optional<LinearSets::Left> LinearSets::left_by(const std::vector<std::size_t>& set) const {
   std::array<Eigen::Index, kMostParameters> column{};
   Eigen::Index count = 0;
-  double log_weight = 0.0;
   for (const std::size_t b : set) {
     for (Eigen::Index k = 0; k < blocks_[b].count; ++k) {
-      if (count == kMostParameters) return kNever;
+      if (count == kMostParameters) return std::nullopt;
       column[static_cast<std::size_t>(count++)] = blocks_[b].first + k;
     }
-    log_weight += blocks_[b].log_weight;
   }
   using Small =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostParameters, kMostParameters>;
@@ -39,7 +37,7 @@ double LinearSets::score(const std::vector<std::size_t>& set) const {
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index at = column[static_cast<std::size_t>(i)];
     length[i] = std::sqrt(gram_(at, at));
-    if (!(length[i] > 0.0)) return kNever;
+    if (!(length[i] > 0.0)) return std::nullopt;
   }
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index at = column[static_cast<std::size_t>(i)];
@@ -52,18 +50,34 @@ double LinearSets::score(const std::vector<std::size_t>& set) const {
   constexpr double kDependent = 1e-4;
   if (factor.info() != Eigen::Success ||
       factor.matrixL().toDenseMatrix().diagonal().minCoeff() < kDependent) {
-    return kNever;
+    return std::nullopt;
   }
   const SmallVector x = factor.solve(m);
   Eigen::Index first = 0;
   for (const std::size_t b : set) {
-    if (blocks_[b].side != 0 && x[first] * blocks_[b].side <= 0.0) return kNever;
+    if (blocks_[b].side != 0 && x[first] * blocks_[b].side <= 0.0) return std::nullopt;
     first += blocks_[b].count;
   }
-  const double left = std::max(total_ - m.dot(x), 1e-12 * total_);
-  const double likelihood =
-      known_ > 0.0 ? -0.5 * left / (known_ * known_) : -0.5 * rows_ * std::log(left);
-  return likelihood - 0.5 * static_cast<double>(count) * std::log(rows_) + log_weight;
+  return Left{.columns = count, .squares = std::max(total_ - m.dot(x), 1e-12 * total_)};
+}
+
+double LinearSets::score(const std::vector<std::size_t>& set) const {
+  const std::optional<Left> left = left_by(set);
+  if (!left) return -std::numeric_limits<double>::infinity();
+  double log_weight = 0.0;
+  for (const std::size_t b : set) log_weight += blocks_[b].log_weight;
+  const double likelihood = known_ > 0.0 ? -0.5 * left->squares / (known_ * known_)
+                                         : -0.5 * rows_ * std::log(left->squares);
+  return likelihood - 0.5 * static_cast<double>(left->columns) * std::log(rows_) + log_weight;
+}
+
+double LinearSets::chance(const std::vector<std::size_t>& set) const {
+  const std::optional<Left> left = left_by(set);
+  if (!left) return 1.0;
+  const auto columns = static_cast<int>(left->columns);
+  const int rest = static_cast<int>(rows_) - columns;
+  if (columns < 1 || rest < 1) return 1.0;
+  return f_tail((total_ - left->squares) / columns / (left->squares / rest), columns, rest);
 }
 
 std::vector<std::vector<std::size_t>> best_linear_sets(const std::vector<Candidate>& candidates,

@@ -2,6 +2,7 @@
 // Sets of candidates along one linearisation: which of them are worth a fit.
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "calibrate/fit/columns.hpp"
@@ -19,7 +20,18 @@ class LinearSets {
   /// @returns −∞ where the columns are dependent or a sided parameter has the wrong sign
   [[nodiscard]] double score(const std::vector<std::size_t>& set) const;
 
+  /// How often so many columns take so much off rows without structure: the tail of the F
+  /// distribution, of S₀ − S over S.  1 where score() is −∞.
+  [[nodiscard]] double chance(const std::vector<std::size_t>& set) const;
+
  private:
+  struct Left {
+    Eigen::Index columns = 0;
+    double squares = 0.0;
+  };
+  /// @returns nothing where score() is −∞
+  [[nodiscard]] std::optional<Left> left_by(const std::vector<std::size_t>& set) const;
+
   std::vector<Block> blocks_;
   Eigen::MatrixXd gram_;
   Eigen::VectorXd moment_;

@@ -28,10 +28,13 @@ constexpr double kManySearchedRows = 5000.0;
 constexpr int kFitsPerStep = 5;
 constexpr int kSetsPerStep = 8;
 constexpr std::size_t kRefinedPerStep = 4;
+/// Scatter of rows over what they state: they miss something, and they miss nothing.
+constexpr double kFarBeyond = 2.0, kNearStated = 1.25;
 
 /// Proposals of one step of the search.
 class Proposals {
  public:
+  [[nodiscard]] bool empty() const { return sets_.empty(); }
   void add(Hypothesis h) {
     if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return;
     if (std::ranges::any_of(sets_, [&](const Hypothesis& s) { return same_forms(s, h); })) return;
@@ -118,6 +121,8 @@ class Growth {
   /// @param size  effects after it
   /// @returns whether it found any
   bool step(int size);
+  /// Takes a hypothesis that has a clearly better score than what was found.
+  void offer(const Hypothesis& known);
 
   [[nodiscard]] const Fit& best() const { return best_; }
   [[nodiscard]] double scale() const { return scale_; }
@@ -129,6 +134,7 @@ class Growth {
   [[nodiscard]] bool is_luck(int size, const Screen& screen, const Columns& columns,
                              const std::vector<Candidate>& others, const std::vector<Gain>& gains,
                              double greatest);
+  [[nodiscard]] std::pair<Proposals, double> pairs_to_stated_noise() const;
   [[nodiscard]] Proposals proposals(int size, const std::vector<Candidate>& others,
                                     const Screen& screen, const Columns& columns,
                                     const std::vector<std::size_t>& order) const;
@@ -205,6 +211,25 @@ bool Growth::is_luck(int size, const Screen& screen, const Columns& columns,
   return p_value > rate;
 }
 
+/// Pairs of causes that no luck makes, by F's tail and as many as the pairs that were looked
+/// through. Where no cause does more than luck by itself and the rows scatter far beyond what they
+/// state: one that leaves them as they state is no luck of the choice.
+std::pair<Proposals, double> Growth::pairs_to_stated_noise() const {
+  std::pair<Proposals, double> some{{}, 1.0};
+  if (agrees_ || problem_.noise.source != NoiseSource::kStated || scale_ < kFarBeyond) return some;
+  const std::vector<std::size_t> pool = pool_of(result_, {}, 2);
+  const auto others = static_cast<double>(pool.size());
+  for (const auto& set : best_linear_sets(result_.candidates, pool, *linear_, 2, kSetsPerStep)) {
+    const double chance = 0.5 * others * (others - 1.0) * linear_->chance(set);
+    if (chance > kFurtherShare * options_.rate) continue;
+    Hypothesis h;
+    for (const std::size_t k : set) h = with(std::move(h), result_.candidates[k]);
+    some.first.add(std::move(h));
+    some.second = std::min(some.second, chance);
+  }
+  return some;
+}
+
 /// What is there with one more, and beyond the first the best sets of that size by linear fits.
 Proposals Growth::proposals(int size, const std::vector<Candidate>& others, const Screen& screen,
                             const Columns& columns, const std::vector<std::size_t>& order) const {
@@ -263,14 +288,36 @@ bool Growth::step(int size) {
   const std::vector<Gain> gains = screen.gains(columns.residual);
   const std::vector<std::size_t> order = ranked(others, gains, 2);
   const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
-  if (is_luck(size, screen, columns, others, gains, greatest) || order.empty()) return false;
+  if (order.empty()) return false;
+  const bool luck = is_luck(size, screen, columns, others, gains, greatest);
+  if (luck && size > 1) return false;
+  auto [some, chance] = luck ? pairs_to_stated_noise()
+                             : std::pair{proposals(size, others, screen, columns, order), 1.0};
+  if (some.empty()) return false;
   std::optional<Fit> winner =
-      proposals(size, others, screen, columns, order)
-          .best_fit(problem_, simple_, best_.hypothesis, levels_, scale_, std::max(known_, least_));
+      some.best_fit(problem_, simple_, best_.hypothesis, levels_, scale_, std::max(known_, least_));
   if (!winner || (size > 1 && !adds_enough(*winner))) return false;
+  if (luck && problem_.noise.deviation_of(winner->residual) > kNearStated) return false;
+  result_.first_p = std::min(result_.first_p, chance);
   best_ = std::move(*winner);
   scale_ = std::max({known_, problem_.noise.deviation_of(best_.residual), least_});
   return true;
+}
+
+void Growth::offer(const Hypothesis& known) {
+  if (known.effects.empty()) return;
+  const auto own_scale = [&](const Fit& f) {
+    return std::max({known_, problem_.noise.deviation_of(f.residual), least_});
+  };
+  const double scale = std::min(scale_, own_scale(fit(problem_, known, scale_)));
+  Fit offered = fit(problem_, known, scale);
+  constexpr double kClearly = 5.0;  // of a log likelihood: strong evidence
+  if (score_of(problem_, offered, scale) <
+      score_of(problem_, fit(problem_, best_.hypothesis, scale), scale) + kClearly) {
+    return;
+  }
+  best_ = std::move(offered);
+  scale_ = own_scale(best_);
 }
 
 /// The fit with other shapes and names for the same data where they say more, or as much with less.
@@ -364,7 +411,7 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
 }
 
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& all,
-                           const SearchOptions& options) {
+                           const SearchOptions& options, const Hypothesis& known) {
   SearchResult result;
   result.rows = problem.data.rows.size();
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
@@ -372,6 +419,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   Growth growth(problem, all, options, result);
   for (int size = 1; size <= kMostEffects && growth.step(size); ++size) {
   }
+  growth.offer(known);
   const double scale = growth.scale();
   const Fit best = in_other_shapes(problem, all, growth.simple(), growth.best(), scale);
   const Judge judge(problem, all, best, scale);

@@ -48,7 +48,9 @@ struct SearchResult {
 /// Forms of all causes that the data could show, with the weight of each among its cause's forms.
 std::vector<Candidate> candidates_for(const Simulation& simulation, const MeasurementSet& data);
 
+/// @param known  what was found under another noise model, which is taken where it is clearly
+///     better than what is found under this one
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& candidates,
-                           const SearchOptions& options);
+                           const SearchOptions& options, const Hypothesis& known = {});
 
 }  // namespace gear3k::calibrate

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/calibrate/bench.hpp"
@@ -18,10 +19,19 @@
 namespace gear3k::calibrate::search_test {
 namespace {
 
+std::vector<std::string> names_of(const SearchResult& result) {
+  std::vector<std::string> names;
+  for (const Candidate& c : result.fit.hypothesis.effects) names.emplace_back(c.cause->id);
+  std::ranges::sort(names);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
 class Search : public Bench {
  protected:
-  [[nodiscard]] SearchResult search() const {
-    return search_causes(problem(), candidates_for(simulation_, data_), {});
+  [[nodiscard]] SearchResult search(const Hypothesis& known = {}) const {
+    return search_causes(problem(), candidates_for(simulation_, data_), {}, known);
   }
   static bool could_be(const FoundEffect& effect, const std::string& id) {
     return std::ranges::any_of(effect.replacements,
@@ -149,6 +159,63 @@ TEST_F(Search, NamesTheLoadWhereFrictionJumpsBetweenTwoOfFourLevels) {
   EXPECT_TRUE(form.starts_with("any_smooth_4_levels")) << form;
 }
 
+/// Rows of which no cause takes off more than luck by itself: friction by direction, and a wave of
+/// it with the teeth.
+class SearchOfTwoInFewRows : public Search {
+ protected:
+  SearchOfTwoInFewRows() {
+    data_ = measured_grid(
+        {.sun_speeds_rpm = {300.0, 3000.0}, .output_torques_Nm = {5.0, 27.5, 50.0}, .repeats = 1});
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      // In no order of loads and directions.
+      const auto place = static_cast<double>((7 * i + 3) % data_.rows.size());
+      data_.rows[i].condition.output_angle_rad = 11.9 * units::kDegree * (place + 1.0);
+      data_.rows[i].sigma = kNoise_Nm;
+    }
+    hidden_ =
+        hypothesis({of("friction_direction", "forward_backward"), of("mesh_order", "friction")},
+                   {-0.3, 0.46, 0.19});
+  }
+  [[nodiscard]] Candidate of(std::string_view id, std::string_view form) const {
+    for (const Candidate& c : candidates_for(simulation_, data_)) {
+      if (c.cause->id == id && c.form.name == form) return c;
+    }
+    ADD_FAILURE() << id << ' ' << form;
+    return {};
+  }
+  static constexpr double kNoise_Nm = 0.003;
+  Hypothesis hidden_;
+};
+
+TEST_F(SearchOfTwoInFewRows, NamesTheTwoThatLeaveWhatTheRowsState) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    measure(hidden_, kNoise_Nm, seed);
+    const SearchResult result = search();
+    const double greatest = std::ranges::max(result.first_gains, {}, &Gain::evidence).evidence;
+    EXPECT_GT(result.first_luck.p_value(greatest), SearchOptions{}.rate);
+    EXPECT_LT(result.first_p, 1e-4);
+    EXPECT_EQ(names_of(result), (Names{"friction_direction", "mesh_order"})) << seed;
+  }
+}
+
+TEST_F(SearchOfTwoInFewRows, NamesNoneWhereTheRowsOnlyScatterMoreThanTheyState) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    measure({}, 5.0 * kNoise_Nm, seed);
+    found += search().effects.empty() ? 0 : 1;
+  }
+  EXPECT_LE(found, 4);  // P(X >= 5 of 20) at 4 % is 0.001
+}
+
+TEST_F(SearchOfTwoInFewRows, TakesWhatWasKnownWhereItIsClearlyBetter) {
+  for (Observation& row : data_.rows) row.sigma = kUnknown;
+  measure(hidden_, kNoise_Nm, 1);
+  EXPECT_EQ(names_of(search()), Names{});
+  EXPECT_EQ(names_of(search(hidden_)), (Names{"friction_direction", "mesh_order"}));
+  measure({}, kNoise_Nm, 1);
+  EXPECT_EQ(names_of(search(hidden_)), Names{});
+}
+
 TEST_F(Search, FindsNothingInNoise) {
   data_ = measured_grid({.repeats = 2});
   constexpr int kCases = 40;
@@ -199,15 +266,6 @@ SearchResult search_in(const Simulation& simulation, MeasurementSet data, const 
   const Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
   return search_causes(problem, candidates_for(simulation, data), {});
 }
-
-std::vector<std::string> names_of(const SearchResult& result) {
-  std::vector<std::string> names;
-  for (const Candidate& c : result.fit.hypothesis.effects) names.emplace_back(c.cause->id);
-  std::ranges::sort(names);
-  return names;
-}
-
-using Names = std::vector<std::string>;
 
 TEST(SearchOfPairs, TellsFrictionByTheGearThatDrivesFromNoDifference) {
   const Simulation simulation(pair_of(design_of(rig::bilateral_drive_gear())), Kind::kPairLoss);
