@@ -121,8 +121,8 @@ class Growth {
   /// @param size  effects after it
   /// @returns whether it found any
   bool step(int size);
-  /// Takes a hypothesis that has a clearly better score than what was found.
-  void offer(const Hypothesis& known);
+  /// Takes what another search found where it has a clearly better score.
+  void offer(const SearchResult& known);
 
   [[nodiscard]] const Fit& best() const { return best_; }
   [[nodiscard]] double scale() const { return scale_; }
@@ -288,9 +288,8 @@ bool Growth::step(int size) {
   const std::vector<Gain> gains = screen.gains(columns.residual);
   const std::vector<std::size_t> order = ranked(others, gains, 2);
   const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
-  if (order.empty()) return false;
   const bool luck = is_luck(size, screen, columns, others, gains, greatest);
-  if (luck && size > 1) return false;
+  if (order.empty() || (luck && size > 1)) return false;
   auto [some, chance] = luck ? pairs_to_stated_noise()
                              : std::pair{proposals(size, others, screen, columns, order), 1.0};
   if (some.empty()) return false;
@@ -304,13 +303,14 @@ bool Growth::step(int size) {
   return true;
 }
 
-void Growth::offer(const Hypothesis& known) {
-  if (known.effects.empty()) return;
+void Growth::offer(const SearchResult& known) {
+  const Hypothesis& h = known.fit.hypothesis;
+  if (h.effects.empty()) return;
   const auto own_scale = [&](const Fit& f) {
     return std::max({known_, problem_.noise.deviation_of(f.residual), least_});
   };
-  const double scale = std::min(scale_, own_scale(fit(problem_, known, scale_)));
-  Fit offered = fit(problem_, known, scale);
+  const double scale = std::min(scale_, own_scale(fit(problem_, h, scale_)));
+  Fit offered = fit(problem_, h, scale);
   constexpr double kClearly = 5.0;  // of a log likelihood: strong evidence
   if (score_of(problem_, offered, scale) <
       score_of(problem_, fit(problem_, best_.hypothesis, scale), scale) + kClearly) {
@@ -318,6 +318,7 @@ void Growth::offer(const Hypothesis& known) {
   }
   best_ = std::move(offered);
   scale_ = own_scale(best_);
+  result_.first_p = std::min(result_.first_p, known.first_p);
 }
 
 /// The fit with other shapes and names for the same data where they say more, or as much with less.
@@ -411,15 +412,16 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
 }
 
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& all,
-                           const SearchOptions& options, const Hypothesis& known) {
+                           const SearchOptions& options, const SearchResult* known) {
   SearchResult result;
   result.rows = problem.data.rows.size();
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
                        [](const Candidate& c) { return c.form.weight > 0.0; });
   Growth growth(problem, all, options, result);
-  for (int size = 1; size <= kMostEffects && growth.step(size); ++size) {
+  for (int size = 1; size <= kMostEffects && growth.step(size);) {
+    size = std::max(size, static_cast<int>(growth.best().hypothesis.effects.size())) + 1;
   }
-  growth.offer(known);
+  if (known != nullptr) growth.offer(*known);
   const double scale = growth.scale();
   const Fit best = in_other_shapes(problem, all, growth.simple(), growth.best(), scale);
   const Judge judge(problem, all, best, scale);

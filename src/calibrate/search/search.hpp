@@ -51,6 +51,6 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
 /// @param known  what was found under another noise model, which is taken where it is clearly
 ///     better than what is found under this one
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& candidates,
-                           const SearchOptions& options, const Hypothesis& known = {});
+                           const SearchOptions& options, const SearchResult* known = nullptr);
 
 }  // namespace gear3k::calibrate

@@ -34,8 +34,7 @@ SearchUnderNoise search_sessions(Problem& problem, const std::vector<Candidate>&
   result.sessions = session_scatter(problem, result.found);
   if (result.sessions.guarded > 0.0) {
     problem.noise.session_variance = result.sessions.guarded;
-    result.found =
-        search_causes(problem, candidates, options, Hypothesis{result.found.fit.hypothesis});
+    result.found = search_causes(problem, candidates, options, &result.found);
   }
   result.noise = problem.noise;
   return result;
@@ -157,7 +156,7 @@ SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candi
   best.sessions = session_scatter(problem, best.found);
   if (best.sessions.guarded > 0.0) {
     problem.noise.session_variance = best.sessions.guarded;
-    best.found = search_causes(problem, candidates, options, Hypothesis{best.found.fit.hypothesis});
+    best.found = search_causes(problem, candidates, options, &best.found);
   }
   best.noise = problem.noise;
   // Of what was found, and of all that the simulation as given misses: causes may have taken up
