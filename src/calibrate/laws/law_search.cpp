@@ -476,7 +476,12 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
       law_cost(law.law) * ln + 2.0 * std::log(static_cast<double>(std::max(law.forms, 1)));
   const double gain = of_causes - of_law;
   if (gain < kClearBic || gain < cost_of_law - cost_of_causes + kClearBic) return false;
-  return causes.effects.size() > 1 || gain >= kLeastLawShare * squares_as_given(problem, law.scale);
+  // Several causes, one of them of any shape, draw what they do not describe as well.
+  const bool draw_anything =
+      causes.effects.size() > 1 && std::ranges::any_of(causes.effects, [](const Candidate& c) {
+        return c.form.name.find("any_") != std::string::npos;
+      });
+  return draw_anything || gain >= kLeastLawShare * squares_as_given(problem, law.scale);
 }
 
 /// Root mean square of whitened rows as predicted without their blocks.

@@ -527,6 +527,34 @@ TEST(LawSearch, TwoCausesThatAreThereStay) {
   }
 }
 
+TEST(LawSearch, TwoCausesOfAShapeStayWhereOneBendsALittle) {
+  // A housing of two materials, whose expansion grows by 6 in 1000 for each kelvin, and play.
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
+  MeasurementSet data = lost_motion_rig([](double, double) { return 0.0; }, 0.0, 1).data;
+  const auto of = [&](std::string_view id) {
+    const std::vector<Candidate> candidates = candidates_for(simulation, data);
+    return *std::ranges::find_if(candidates, [&](const Candidate& c) { return c.cause->id == id; });
+  };
+  const Hypothesis straight = hypothesis({of("thermal_expansion")}, {20.0});
+  const Eigen::VectorXd cold = simulated(simulation, data, {}).value();
+  const Eigen::VectorXd warm = simulated(simulation, data, straight).value();
+  rig::DeterministicRandom random(3);
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double rise_K = data.rows[i].condition.temperature_K - 293.15;
+    data.rows[i].response = cold[k] + (warm[k] - cold[k]) * (1.0 + 0.006 * rise_K) +
+                            (0.4 + 0.08 * random.normal()) * kArcmin;
+  }
+  const Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+  const Hypothesis causes =
+      fit(problem, with(with({}, of("thermal_expansion")), of("clearance")), 0.1 * kArcmin)
+          .hypothesis;
+  ASSERT_NEAR(causes.value[1], 0.4, 0.1);
+  const auto law = find_law(problem, causes, holdout_blocks(data, covariate_levels(data)),
+                            LawScope::kPlain, candidates_for(simulation, data).size());
+  EXPECT_TRUE(!law || law->hypothesis.effects.size() == 3U);
+}
+
 /// No two speeds alike, neighbours at different loads; a loss [Nm] by the place of the speed.
 Rig loss_by_place(const std::function<double(double place)>& loss, int seed) {
   Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.002, seed);
