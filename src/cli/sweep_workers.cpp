@@ -77,7 +77,7 @@ void work(const SweepWork& sweep) {
     const auto claimed = store.claim(sweep.run, self, now_s());
     if (!claimed) return;
     if (!has_its_files(*claimed)) {
-      store.release(claimed->id);
+      store.release(claimed->id, self);
       throw io::InvalidInput(
           "a file of [actuator] or [cycle] has changed since the tasks were put into the queue: "
           "allowed: the same command anew, which asks for the tasks of the new files");
@@ -89,7 +89,7 @@ void work(const SweepWork& sweep) {
     const sweep::TaskResult result = app::solve_task(claimed->spec, progress);
     task_stop = nullptr;
     if (result.interrupted) {
-      store.release(claimed->id);
+      store.release(claimed->id, self);
       return;
     }
     store.finish(claimed->id, result,

@@ -1,5 +1,12 @@
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+
 #include "drawing/inspection_sheet.hpp"
 #include "drawing/xml_text.hpp"
 #include "io/text/printable.hpp"
@@ -9,16 +16,46 @@ namespace gear3k::drawing {
 
 namespace {
 
-/// Digits that a workshop reads: 1 um of lengths, 1e-4 deg, 0.1 um; what says which gear and tool
-/// it is in full, as a tool of another module in its fourth digit cuts another gear.
+/// Decimals that a workshop reads: 1 um of lengths, 1e-4 deg, 0.1 um.
+int decimals_of(const Characteristic& row) {
+  if (row.unit == "um") return 1;
+  return row.unit == "mm" ? 3 : 4;
+}
+
+/// What says which gear and tool it is in full, as a tool of another module in its fourth digit
+/// cuts another gear.
 std::string shown(const Characteristic& row, const std::optional<double>& value) {
   if (!value) return "";
   if (row.group == "gear") return fmt::format("{:.10g}", *value);
-  const std::string& unit = row.unit;
-  if (unit.empty()) return fmt::format("{:.6g}", *value);
-  if (unit == "um") return fmt::format("{:.1f}", *value);
-  if (unit == "mm") return fmt::format("{:.3f}", *value);
-  return fmt::format("{:.4f}", *value);
+  if (row.unit.empty()) return fmt::format("{:.6g}", *value);
+  return fmt::format("{:.{}f}", *value, decimals_of(row));
+}
+
+/// Towards greater (sense 1) or smaller values (-1), but for what computing leaves.
+double rounded_to(double value, double per_step, double sense) {
+  constexpr double kOfComputing = 1e-6;
+  return sense * std::ceil(sense * value * per_step - kOfComputing) / per_step;
+}
+
+/// Limits of few decimals that lie within the limits, so that nothing is accepted that is beyond
+/// them; of more where those would leave nothing between them.
+std::array<std::string, 2> shown_limits(const Characteristic& row) {
+  if (row.group == "gear" || row.unit.empty())
+    return {shown(row, row.lower), shown(row, row.upper)};
+  constexpr int kMostDecimals = 6;
+  for (int decimals = decimals_of(row);; ++decimals) {
+    const double per_step = std::pow(10.0, decimals);
+    std::array<std::string, 2> texts;
+    std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
+                                 std::numeric_limits<double>::infinity()};
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      const std::optional<double>& exact = side == 0 ? row.lower : row.upper;
+      if (!exact) continue;
+      limits[side] = rounded_to(*exact, per_step, side == 0 ? 1.0 : -1.0);
+      texts[side] = fmt::format("{:.{}f}", limits[side], decimals);
+    }
+    if (limits[0] <= limits[1] || decimals == kMostDecimals) return texts;
+  }
 }
 
 /// Twelve digits, less than a picometre: what the change of units leaves after them is no size.
@@ -70,11 +107,12 @@ std::string sheet_html(const InspectionSheet& sheet) {
       group = row.group;
       text += fmt::format("<tr><th class=\"text\" colspan=\"8\">{}</th></tr>\n", xml_text(group));
     }
+    const auto [lower, upper] = shown_limits(row);
     text += fmt::format(
         R"(<tr><td class="text">{}</td><td class="text">{}</td><td class="text">{}</td><td>{}</td><td>{}</td><td>{}</td><td></td><td class="text">{}</td></tr>)"
         "\n",
         xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), shown(row, row.nominal),
-        shown(row, row.lower), shown(row, row.upper), xml_text(row.note));
+        lower, upper, xml_text(row.note));
   }
   text += "</table>\n";
   for (const std::string& note : sheet.notes) text += fmt::format("<p>{}</p>\n", xml_text(note));

@@ -39,12 +39,15 @@ std::string shown_objective(const Specification& spec, double value_si) {
                    rounded_objective(spec).unit);
 }
 
-/// The allowances as lengths [um].
+/// The allowances as lengths [um]; of a gear with A_sn what its middle thins the tooth by.
 std::array<double, train::kGearCount> allowances_um(const RoundedDesign& design) {
   std::array<double, train::kGearCount> lengths{};
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const std::size_t stage = i == train::kP2 || i == train::kR2 ? 1 : 0;
-    lengths[i] = clean(um(design.spec.machining_allowance[i] * design.set.train.module_m[stage]));
+    const double module_m = design.set.train.module_m[stage];
+    const double q = optimize::machining_allowance(design.spec, i,
+                                                   design.set.train.pressure_angle_rad, module_m);
+    lengths[i] = clean(um(q * module_m));
   }
   return lengths;
 }
@@ -56,6 +59,12 @@ std::string numbers_text(const Values& values) {
   std::vector<std::string> texts;
   texts.reserve(std::size(values));
   for (const double value : values) texts.push_back(fmt::format("{:g}", value));
+  return fmt::format("{}", fmt::join(texts, " "));
+}
+
+std::string allowances_text(const RoundedDesign& design) {
+  std::vector<std::string> texts;
+  for (const double length : allowances_um(design)) texts.push_back(fmt::format("{:.4g}", length));
   return fmt::format("{}", fmt::join(texts, " "));
 }
 
@@ -76,7 +85,7 @@ std::string values_text(const Specification& spec, const RoundedDesign& design) 
       numbers_text(std::array{in_file(t.module_m[0], Unit::kMillimetre),
                               in_file(t.module_m[1], Unit::kMillimetre)}),
       numbers_text(t.profile_shift), in_file(t.center_distance_m, Unit::kMillimetre),
-      numbers_text(allowances_um(design)));
+      allowances_text(design));
   if (spec.free.tip_shortening) text += ", tip shortenings " + numbers_text(t.tip_shortening);
   if (spec.free.pressure_angle_rad) {
     text += fmt::format(", pressure angle {:g} deg", in_file(t.pressure_angle_rad, Unit::kDegree));

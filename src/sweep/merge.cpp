@@ -61,14 +61,17 @@ void add_columns_of(const Database& source, Database& into) {
 /// Ids of the target by those of the source.
 using Ids = std::map<std::int64_t, std::int64_t>;
 
+/// A run that was copied while it was planned or at work has more tasks and an end by now.
 Ids copy_runs(const Database& source, Database& into) {
   Ids ids;
   const std::string columns =
       "uid, name, sweep, axes, version, git, revision, host, workers, shard, tasks, started, ended";
   Statement runs = source.prepare("SELECT id, " + columns + " FROM run ORDER BY id");
   Statement insert =
-      into.prepare("INSERT OR IGNORE INTO run(" + columns +
-                   ") VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)");
+      into.prepare("INSERT INTO run(" + columns +
+                   ") VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13) "
+                   "ON CONFLICT(uid) DO UPDATE SET tasks = max(tasks, excluded.tasks), "
+                   "ended = coalesce(excluded.ended, ended)");
   Statement find = into.prepare("SELECT id FROM run WHERE uid = ?1");
   while (runs.step()) {
     insert.reset();

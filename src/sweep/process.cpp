@@ -59,10 +59,11 @@ Process process_of(std::int64_t number) {
   return {.host = this_host(), .number = number, .began = began(number)};
 }
 
-bool is_dead(const Process& process) {
-  if (process.host != this_host()) return false;
-  const std::int64_t now = began(process.number);
-  return now == 0 || now != process.began;
+bool is_dead(const Process& process) { return process.host == this_host() && !is_alive(process); }
+
+bool is_alive(const Process& process) {
+  return process.host == this_host() && process.began != 0 &&
+         began(process.number) == process.began;
 }
 
 }  // namespace gear3k::sweep

@@ -16,8 +16,9 @@ struct Process {
 Process this_process();
 /// Another process of this machine; `began` = 0 where there is none.
 Process process_of(std::int64_t number);
-/// Whether a process of this machine has ended; false where it is another's.
+/// Whether a process of this machine has ended, or lives; false where it is another's.
 bool is_dead(const Process& process);
+bool is_alive(const Process& process);
 /// The machine's name.
 std::string host_name();
 

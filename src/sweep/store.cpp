@@ -204,7 +204,8 @@ std::optional<Claimed> Store::claim(std::int64_t run, const Process& worker, dou
   while (queue.step()) {
     const Process holder{
         .host = queue.text(1), .number = queue.integer(2), .began = queue.integer(3)};
-    if (queue.number(4) > now_s && !is_dead(holder)) continue;
+    const bool leased = queue.number(4) > now_s;
+    if (leased ? !is_dead(holder) : is_alive(holder)) continue;
     const Claimed claimed{.id = queue.integer(0), .key = queue.text(5), .spec = queue.text(6)};
     queue.reset();
     database_
@@ -217,10 +218,13 @@ std::optional<Claimed> Store::claim(std::int64_t run, const Process& worker, dou
   return std::nullopt;
 }
 
-void Store::release(std::int64_t task) {
+void Store::release(std::int64_t task, const Process& worker) {
   Transaction transaction(database_);
-  database_.prepare("UPDATE queue SET host = '', process = 0, began = 0, until = 0 WHERE task = ?1")
-      .with(task)
+  database_
+      .prepare(
+          "UPDATE queue SET host = '', process = 0, began = 0, until = 0 "
+          "WHERE task = ?1 AND host = ?2 AND process = ?3 AND began = ?4")
+      .with(task, worker.host, worker.number, worker.began)
       .run();
   transaction.commit();
 }

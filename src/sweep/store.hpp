@@ -78,11 +78,11 @@ class Store {
   /// Has a column for every key in the view `result`; after the last block.
   void end_plan();
 
-  /// Takes the next task of a run that is nobody's, whose lease has ended, or whose process is
-  /// dead.
+  /// Takes the next task of a run that is nobody's, whose process is dead, or whose lease has ended
+  /// and whose process is not known to live: leases go by the clock, which may be set.
   std::optional<Claimed> claim(std::int64_t run, const Process& worker, double now_s);
-  /// Gives a task back.
-  void release(std::int64_t task);
+  /// Gives a task back that the worker still holds.
+  void release(std::int64_t task, const Process& worker);
   /// Keeps leases of living workers.
   void renew(const std::vector<Process>& workers, double now_s);
   /// Records a result, once.  @returns false where another worker has recorded it before

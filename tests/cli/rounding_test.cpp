@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <regex>
 #include <string>
 
@@ -119,6 +120,26 @@ TEST(OptimizeRound, WritesAllowancesOfFewDigits) {
   // 12 um over 0.6 mm.
   EXPECT_NE(place.read("out/best_rounded.toml").find("machining_allowance = 0.02\n"),
             std::string::npos);
+}
+
+// A thickness allowance is a length: what it thins a tooth by does not depend on the module.
+TEST(OptimizeRound, TellsWhatThicknessAllowancesThinTheTeethBy) {
+  const Workplace place;
+  place.write("spec.toml", replaced(kTask, "machining_allowance = 0.02\n",
+                                    "S.A_sn_um = [-30.0, -14.0]\nP1.A_sn_um = [-30.0, -14.0]\n"
+                                    "R1.A_sn_um = [-40.0, -20.0]\nP2.A_sn_um = [-30.0, -14.0]\n"
+                                    "R2.A_sn_um = [-40.0, -20.0]\n"));
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--round", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json lengths =
+      json::parse(place.read("out/summary.json")).at("rounded").at("machining_allowance_um");
+  const double cosine = std::cos(20.0 * std::numbers::pi / 180.0);
+  for (std::size_t gear = 0; gear < 5; ++gear) {
+    EXPECT_NEAR(lengths[gear].get<double>(), (gear == 2 || gear == 4 ? 30.0 : 22.0) * cosine, 1e-6);
+  }
+  EXPECT_NE(run.out.find(", allowances 20.67 20.67 28.19 20.67 28.19 um"), std::string::npos)
+      << run.out;
 }
 
 TEST(OptimizeRound, WritesNoDigitsOfRounding) {

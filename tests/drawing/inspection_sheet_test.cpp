@@ -15,6 +15,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -280,6 +281,57 @@ TEST(InspectionSheet, FilesReadBack) {
     boost::property_tree::ptree tree;
     EXPECT_NO_THROW(boost::property_tree::read_xml(page, tree)) << sheet.name;
   }
+}
+
+// What the page accepts the file accepts.
+TEST(InspectionSheet, ThePagesLimitsLieWithinThoseOfTheFile) {
+  int limits = 0;
+  for (const InspectionSheet& sheet : train_sheets("ratio_96_tolerances.toml")) {
+    std::istringstream page(drawing::sheet_html(sheet));
+    boost::property_tree::ptree tree;
+    boost::property_tree::read_xml(page, tree);
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& [name, row] : tree.get_child("html.body.table")) {
+      std::vector<std::string> cells;
+      for (const auto& [tag, cell] : row) {
+        if (tag == "td") cells.push_back(cell.data());
+      }
+      if (!cells.empty()) rows.push_back(std::move(cells));
+    }
+    ASSERT_EQ(rows.size(), sheet.rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const drawing::Characteristic& exact = sheet.rows[k];
+      if (exact.group == "gear" || exact.unit.empty()) continue;
+      const double step = exact.unit == "um" ? 0.1 : exact.unit == "mm" ? 1e-3 : 1e-4;
+      const double computing = 1e-5 * step;
+      for (const auto& [limit, cell, sense] :
+           {std::tuple{exact.lower, 4, 1.0}, std::tuple{exact.upper, 5, -1.0}}) {
+        if (!limit) continue;
+        ++limits;
+        const double within = sense * (std::stod(rows[k].at(cell)) - *limit);
+        EXPECT_GE(within, -computing) << exact.name;
+        EXPECT_LT(within, step) << exact.name;
+      }
+      if (exact.lower && exact.upper) {
+        EXPECT_LE(std::stod(rows[k][4]), std::stod(rows[k][5])) << exact.name;
+      }
+    }
+  }
+  EXPECT_GT(limits, 40);
+}
+
+TEST(InspectionSheet, ThePageHasMoreDigitsWhereALimitOfFewLeavesNothing) {
+  InspectionSheet sheet;
+  sheet.rows.push_back({.group = "tooth thickness",
+                        .name = "narrow",
+                        .symbol = "W_5",
+                        .unit = "mm",
+                        .nominal = 5.5725,
+                        .lower = 5.57221,
+                        .upper = 5.57279,
+                        .note = {}});
+  const std::string page = drawing::sheet_html(sheet);
+  EXPECT_NE(page.find("<td>5.5723</td><td>5.5727</td>"), std::string::npos) << page;
 }
 
 double whole_distance(double value) { return std::abs(value - std::round(value)); }

@@ -69,8 +69,20 @@ TEST(Store, GivesATaskAgainWhenItsLeaseEndsOrItsProcessIsDead) {
   // This one is of this machine, and dead: at once.
   const auto again = store.claim(tasks.run, self, 200.0 + sweep::kLeaseSeconds + 1.0);
   ASSERT_TRUE(again);
-  store.release(again->id);
+  store.release(again->id, kOfAnotherMachine);
+  EXPECT_FALSE(store.claim(tasks.run, self, 0.0)) << "given back by one that does not hold it";
+  store.release(again->id, self);
   EXPECT_TRUE(store.claim(tasks.run, self, 0.0));
+}
+
+TEST(Store, GivesNoTaskOfALivingProcessOfThisMachineToAnother) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  Store store = tasks.open();
+  ASSERT_TRUE(store.claim(tasks.run, sweep::this_process(), 0.0));
+  // The clock was set, or the machine slept: the lease has ended, and nobody has renewed it.
+  const double later_s = 100.0 * sweep::kLeaseSeconds;
+  EXPECT_FALSE(store.claim(tasks.run, kOfAnotherMachine, later_s));
 }
 
 TEST(Store, RecordsATaskOnce) {
@@ -183,6 +195,23 @@ TEST(Store, MergeTakesEveryResultOnce) {
   EXPECT_EQ(into.count("SELECT count(*) FROM task WHERE status IS NOT NULL"), 4);
   EXPECT_EQ(into.count("SELECT count(*) FROM design"), 20);
   EXPECT_EQ(into.count("SELECT count(*) FROM result WHERE merit = 0.5"), 4);
+}
+
+TEST(Store, MergeTakesWhatARunHasBecomeSinceItWasMerged) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 3);
+  tasks.open().database().execute("UPDATE run SET tasks = 1");  // as while it was planned
+  Database into =
+      sweep::open_sweep_database(place.file("into").string(), Database::Access::kCreate);
+  sweep::merge(into, tasks.path);
+  tasks.open().database().execute("UPDATE run SET tasks = 3");
+  tasks.open().end(tasks.run, 7.0);
+  sweep::merge(into, tasks.path);
+  EXPECT_EQ(into.count("SELECT count(*) FROM run WHERE tasks = 3 AND ended = 7.0"), 1);
+  // What was there is not lost by a copy of before.
+  tasks.open().database().execute("UPDATE run SET tasks = 1, ended = NULL");
+  sweep::merge(into, tasks.path);
+  EXPECT_EQ(into.count("SELECT count(*) FROM run WHERE tasks = 3 AND ended = 7.0"), 1);
 }
 
 TEST(Store, MergeTakesADatabaseAsItIsAtOneMoment) {
