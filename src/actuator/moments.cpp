@@ -131,13 +131,4 @@ CycleMoments cycle_moments(const Actuator& actuator, const std::vector<CyclePiec
   return moments_with(*gear_model(actuator), pieces);
 }
 
-double square_torque(const CycleMoments& moments, const Chain& chain, double rotor_kgm2) {
-  const Basis p{1.0, rotor_kgm2, chain.d1_Nms, chain.c1_Nm};
-  double sum = 0.0;
-  for (std::size_t r = 0; r < p.size(); ++r) {
-    for (std::size_t c = 0; c < p.size(); ++c) sum += p[r] * moments.square[r][c] * p[c];
-  }
-  return sum;
-}
-
 }  // namespace gear3k::actuator

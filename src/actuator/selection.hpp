@@ -182,7 +182,4 @@ struct CycleMoments {
 };
 CycleMoments cycle_moments(const Actuator& actuator, const std::vector<CyclePiece>& pieces);
 
-/// ∫ τ² dt of a motor: pᵀ M p.
-double square_torque(const CycleMoments& moments, const Chain& chain, double rotor_kgm2);
-
 }  // namespace gear3k::actuator

@@ -95,6 +95,14 @@ std::string tightest_text(const std::vector<CheckResult>& checks,
   return text;
 }
 
+/// Of the whole, else of the gears, where a part such as the carrier has no mass stated.
+std::string mass_text(const Evaluation& e) {
+  if (e.total_mass_kg) return fmt::format("mass {:.4g} kg", *e.total_mass_kg);
+  const std::optional<double> of_gears = gears_mass_kg(e);
+  return of_gears ? fmt::format("mass of the gears {:.4g} kg (--show masses)", *of_gears)
+                  : std::string("mass not known (--show masses)");
+}
+
 std::string size_text(const Evaluation& e, const std::optional<double>& outer_diameter_m) {
   double root_m = 0.0;
   for (const int ring : {train::kR1, train::kR2}) {
@@ -103,9 +111,7 @@ std::string size_text(const Evaluation& e, const std::optional<double>& outer_di
   return fmt::format(
       "{}ring roots {:.2f} mm, centre distance {:.4f} mm, modules {:.5g} and {:.5g} mm, {}",
       outer_diameter_m ? fmt::format("outer diameter {:.2f} mm, ", mm(*outer_diameter_m)) : "",
-      mm(root_m), mm(e.center_distance_m), mm(e.module_m[0]), mm(e.module_m[1]),
-      e.total_mass_kg ? fmt::format("mass {:.4g} kg", *e.total_mass_kg)
-                      : std::string("mass not known (--show masses)"));
+      mm(root_m), mm(e.center_distance_m), mm(e.module_m[0]), mm(e.module_m[1]), mass_text(e));
 }
 
 std::string lost_motion_text(const Evaluation& e, const design::BuiltSeries* built) {

@@ -47,7 +47,7 @@ void take_thinning(const CommonInput& input, const GearInput& g, const GearPlace
     gear.machining_allowance =
         backlash::machining_allowance_of(limits, input.pressure_angle_rad, place.module_m);
     most_um /= std::cos(input.pressure_angle_rad);
-    stated = fmt::format("A_sn_um = [{:.6g}, {:.6g}]: thins the tooth by {:.6g}",
+    stated = fmt::format("A_sn_um = [{:.6g}, {:.6g}]: thins the tooth by {:.6g} um",
                          units::from_si(limits.lower, Unit::kMicrometre),
                          units::from_si(limits.upper, Unit::kMicrometre),
                          units::from_si(-limits.middle(), Unit::kMicrometre));
@@ -59,8 +59,8 @@ void take_thinning(const CommonInput& input, const GearInput& g, const GearPlace
   if (stated.empty() || gear.machining_allowance <= kGreatestAllowance) return;
   const char* key = g.thickness_allowance_m ? "A_sn_um" : "normal_thinning_um";
   reading.error_at(fmt::format("{}.{}", place.path, key),
-                   fmt::format("{}.{}: allowed: at most {:.6g} ({:g} module)", place.path, stated,
-                               most_um, kGreatestAllowance));
+                   fmt::format("{}.{}: allowed: at most {:.6g} um ({:g} module)", place.path,
+                               stated, most_um, kGreatestAllowance));
 }
 
 geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,

@@ -101,7 +101,7 @@ TEST(ThicknessAllowance, IsRefusedOutsideItsRange) {
             std::string::npos);
   EXPECT_NE(errors_of([] {
               return parsed(design_with(", A_sn_um = [-2000, -1800]"));
-            }).find("allowed: at most 851.342 (1 module)"),  // 800/cos 20 deg
+            }).find("allowed: at most 851.342 um (1 module)"),  // 800/cos 20 deg
             std::string::npos);
 }
 
