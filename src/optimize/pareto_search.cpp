@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "optimize/front_gaps.hpp"
+#include "optimize/held_objectives.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/set_answers.hpp"
 #include "optimize/set_least.hpp"
@@ -22,45 +23,27 @@ constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
 /// of examples/ratio-96.toml most have a design beyond.
 constexpr double kNarrow = 1.08;
 
-ObjectiveLimit held_by_check(ObjectiveLimit limit) {
-  limit.by_check = true;
-  return limit;
-}
-
-/// The specification with one objective and limits on the others [SI].
-Specification limited(const Specification& spec, Objective first,
-                      const std::vector<ObjectiveLimit>& limits) {
-  using design::CheckId;
-  Specification task = spec;
-  task.objectives = {first};
-  for (const ObjectiveLimit& limit : limits) {
-    const auto lower = [&](std::optional<double>& bound, double value) {
-      bound = bound ? std::min(*bound, value) : value;
-    };
-    switch (limit.objective) {
-      case Objective::kLostMotion:
-        task.objective_limits.push_back(held_by_check(limit));
-        lower(task.limits[CheckId::kOutputBacklashMax], limit.value);
-        break;
-      case Objective::kOuterDiameter:
-        task.objective_limits.push_back(held_by_check(limit));
-        lower(task.limits[CheckId::kRingRootDiameter], limit.value - 2.0 * spec.bodies.ring_rim_m);
-        break;
-      case Objective::kRatioError:
-        task.ratio.tolerance = std::min(task.ratio.tolerance, limit.value);
-        break;
-      default:
-        task.objective_limits.push_back(limit);
-        break;
-    }
-  }
-  return task;
-}
-
 double slack_of(const Specification& spec, Objective objective) {
   return is_efficiency(objective) ? design::kFeasibilitySlack
                                   : kLimitSlack * std::abs(objective_scale(objective, spec));
 }
+
+/// What an end of the front may lose of what its objective has alone: what is feasible, and not so
+/// little that a limit at 0 is none.
+double end_slack(const Specification& spec, Objective objective, double value) {
+  constexpr double kLeast = 0.01;  // of what limits give way elsewhere
+  const double slack = slack_of(spec, objective);
+  return is_efficiency(objective)
+             ? slack
+             : std::max(design::kFeasibilitySlack * std::abs(value), kLeast * slack);
+}
+
+/// A design of the front as it is searched.
+struct Found {
+  ParetoPoint point;
+  bool is_end = false;  ///< best in an objective: others take its place only where they are as good
+  bool bettered = false;  ///< in what its search did not ask for
+};
 
 class FrontSearch {
  public:
@@ -80,25 +63,26 @@ class FrontSearch {
     progress_.stage_total = count * count;
     progress_.stage = Progress::Stage::kFrontEnds;
     progress_.stop.open_part();
-    const auto anchors = anchor_points();
-    if (anchors.size() == count) {
-      front_.ideal.resize(count);
-      front_.reference.resize(count);
-      for (std::size_t k = 0; k < count; ++k) {
-        front_.ideal[k] = anchors[k].values[k];
-        front_.reference[k] = front_.ideal[k];
-        for (const ParetoPoint& anchor : anchors) {
-          if (cost(k, anchor.values[k]) > cost(k, front_.reference[k])) {
-            front_.reference[k] = anchor.values[k];
-          }
+    const std::vector<double> alone = search_ends();
+    if (alone.size() == count) {
+      front_.ideal = alone;
+      front_.reference = alone;
+      for (const Found& end : points_) {
+        for (std::size_t k = 0; k < count; ++k) {
+          const double value = end.point.values[k];
+          if (cost(k, value) < cost(k, front_.ideal[k])) front_.ideal[k] = value;
+          if (cost(k, value) > cost(k, front_.reference[k])) front_.reference[k] = value;
         }
       }
       fill_gaps();
     }
-    front_.points = front_of(std::move(points_));
+    if (progress_.stop.close_part()) front_.ended = ParetoFront::Ended::kBudget;
+    for (Found& found : points_) better(found);
+    for (Found& found : front_of(std::move(points_))) {
+      front_.points.push_back(std::move(found.point));
+    }
     measure();
     progress_.stage = Progress::Stage::kOne;
-    if (progress_.stop.close_part()) front_.ended = ParetoFront::Ended::kBudget;
     front_.interrupted = progress_.stop.load();
     if (front_.interrupted) front_.ended = ParetoFront::Ended::kInterrupted;
     return std::move(front_);
@@ -120,7 +104,7 @@ class FrontSearch {
       answers_.take(ask_of(first, limits), options_.steps[number].refined);
     } else {
       ++progress_.searches;
-      const Specification task = limited(spec_, first, limits);
+      const Specification task = with_limits(spec_, first, limits);
       const OptimizeResult result = optimize(task, progress_, options_of(task, first, limits));
       if (result.interrupted) return std::nullopt;
       step = {.best = result.best, .refined = std::exchange(fresh_, {})};
@@ -242,29 +226,40 @@ class FrontSearch {
     return point;
   }
 
+  /// Betters a design in what its search did not ask for, unless the search is to end.
+  void better(Found& found) const {
+    if (found.bettered) return;
+    const auto set = bettered(spec_, found.point.set, progress_.stop);
+    if (!set) return;
+    found.point = point_of(*set);
+    found.bettered = true;
+  }
+
   /// For each objective a design that is best in it and, within that, in the others in turn.
-  std::vector<ParetoPoint> anchor_points() {
-    std::vector<ParetoPoint> anchors;
+  /// @returns what each has alone; fewer where one has no design
+  std::vector<double> search_ends() {
+    std::vector<double> alone;
     for (const Objective objective : spec_.objectives) {
       auto point = best_within(objective, {});
       if (!point) break;
+      alone.push_back(objective_of(spec_, point->set, objective));
       std::vector<ObjectiveLimit> limits;
       Objective last = objective;
       for (const Objective other : spec_.objectives) {
         if (other == objective) continue;
-        limits.push_back(limit_at(last, objective_of(spec_, point->set, last)));
+        const double value = objective_of(spec_, point->set, last);
+        limits.push_back(limit_at(last, value, end_slack(spec_, last, value)));
         if (auto better = best_within(other, limits)) point = std::move(better);
         last = other;
       }
-      points_.push_back(*point);
-      anchors.push_back(std::move(*point));
+      points_.push_back({.point = std::move(*point), .is_end = true});
+      better(points_.back());
     }
-    return anchors;
+    return alone;
   }
 
-  [[nodiscard]] ObjectiveLimit limit_at(Objective objective, double value) const {
-    return {.objective = objective,
-            .value = value - sense_of(objective) * slack_of(spec_, objective)};
+  static ObjectiveLimit limit_at(Objective objective, double value, double slack) {
+    return {.objective = objective, .value = value - sense_of(objective) * slack};
   }
 
   /// A value between ideal (0) and reference (1).
@@ -284,7 +279,7 @@ class FrontSearch {
   void fill_gaps() {
     FrontGaps gaps(spec_.objectives.size());
     points_ = front_of(std::move(points_));
-    for (const ParetoPoint& point : points_) gaps.add(costs_of(point));
+    for (const Found& found : points_) gaps.add(costs_of(found.point));
     const auto wanted = static_cast<std::size_t>(spec_.pareto_points);
     const std::size_t most = front_.searches + kMostSearches * wanted;
     progress_.stage_done = 0;
@@ -302,13 +297,17 @@ class FrontSearch {
       std::vector<ObjectiveLimit> limits;
       limits.reserve(place->size());
       for (std::size_t k = 1; k < spec_.objectives.size(); ++k) {
-        limits.push_back(limit_at(spec_.objectives[k], value_at(k, (*place)[k - 1])));
+        const Objective objective = spec_.objectives[k];
+        limits.push_back(
+            limit_at(objective, value_at(k, (*place)[k - 1]), slack_of(spec_, objective)));
       }
       auto point = best_within(spec_.objectives.front(), limits);
+      std::optional<Found> found;
+      if (point) better(found.emplace(Found{.point = std::move(*point)}));
       if (progress_.stop.load()) break;
-      gaps.found(point ? std::optional(costs_of(*point)) : std::nullopt);
-      if (point) {
-        points_.push_back(std::move(*point));
+      gaps.found(found ? std::optional(costs_of(found->point)) : std::nullopt);
+      if (found) {
+        points_.push_back(std::move(*found));
         points_ = front_of(std::move(points_));
       }
       progress_.stage_done = std::max(points_.size(), at_first) - at_first;
@@ -316,40 +315,46 @@ class FrontSearch {
     front_.missing = gaps.missing();
   }
 
-  /// Whether a is no worse than b everywhere, to what limits give way (an anchor's value may be at
-  /// its limit, and the grid begins there).
-  [[nodiscard]] bool covers(const ParetoPoint& a, const ParetoPoint& b) const {
+  /// What b may be better by where a takes its place: what limits give way (an end's value may be
+  /// at its limit, and the grid begins there), of an end what its objective is held to.
+  [[nodiscard]] double covering_slack(std::size_t k, const Found& b) const {
+    const Objective objective = spec_.objectives[k];
+    if (b.is_end) return held_slack(b.point.values[k]);
+    return is_efficiency(objective) ? design::kFeasibilitySlack
+                                    : 4.0 * kLimitSlack * objective_scale(objective, spec_);
+  }
+
+  /// Whether a is no worse than b everywhere.
+  [[nodiscard]] bool covers(const Found& a, const Found& b) const {
     for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
-      const double slack = is_efficiency(spec_.objectives[k])
-                               ? design::kFeasibilitySlack
-                               : 4.0 * kLimitSlack * objective_scale(spec_.objectives[k], spec_);
-      if (cost(k, a.values[k]) > cost(k, b.values[k]) + slack) return false;
+      const double worse = cost(k, a.point.values[k]) - cost(k, b.point.values[k]);
+      if (worse > covering_slack(k, b)) return false;
     }
     return true;
   }
 
   /// The points that no other one covers, from best to worst by the first objective.
-  [[nodiscard]] std::vector<ParetoPoint> front_of(std::vector<ParetoPoint> points) const {
-    std::ranges::stable_sort(points, [&](const ParetoPoint& a, const ParetoPoint& b) {
+  [[nodiscard]] std::vector<Found> front_of(std::vector<Found> points) const {
+    std::ranges::stable_sort(points, [&](const Found& a, const Found& b) {
       for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
-        const double cost_a = cost_in_steps(spec_.objectives[k], a.values[k]);
-        const double cost_b = cost_in_steps(spec_.objectives[k], b.values[k]);
+        const double cost_a = cost_in_steps(spec_.objectives[k], a.point.values[k]);
+        const double cost_b = cost_in_steps(spec_.objectives[k], b.point.values[k]);
         if (cost_a != cost_b) return cost_a < cost_b;
       }
-      return a.set.candidate < b.set.candidate;
+      return a.point.set.candidate < b.point.set.candidate;
     });
     // In this order a point is covered by ones before it, or after it within the slack.
-    std::vector<ParetoPoint> kept;
-    for (ParetoPoint& point : points) {
-      if (std::ranges::none_of(kept, [&](const auto& other) { return covers(other, point); })) {
-        kept.push_back(std::move(point));
+    std::vector<Found> kept;
+    for (Found& found : points) {
+      if (std::ranges::none_of(kept, [&](const Found& other) { return covers(other, found); })) {
+        kept.push_back(std::move(found));
       }
     }
-    std::vector<ParetoPoint> front;
+    std::vector<Found> front;
     for (std::size_t i = 0; i < kept.size(); ++i) {
       const bool covered =
           std::any_of(kept.begin() + static_cast<std::ptrdiff_t>(i) + 1, kept.end(),
-                      [&](const ParetoPoint& later) { return covers(later, kept[i]); });
+                      [&](const Found& later) { return covers(later, kept[i]); });
       if (!covered) front.push_back(kept[i]);
     }
     return front;
@@ -383,7 +388,7 @@ class FrontSearch {
   Progress& progress_;
   const FrontOptions& options_;
   ParetoFront front_;
-  std::vector<ParetoPoint> points_;
+  std::vector<Found> points_;
   SetAnswers answers_;
   std::optional<LeastLostMotion> least_;  ///< where lost motion is an objective
   using Numbered = std::pair<Candidate, std::uint32_t>;

@@ -21,8 +21,8 @@ struct ParetoPoint {
 /// Designs of which none is worse than another in every objective.
 struct ParetoFront {
   std::vector<ParetoPoint> points;  ///< from best to worst by the first objective
-  /// Best value of each objective alone, and its worst among the designs that are best in another:
-  /// the box.
+  /// Best value of each objective alone (or of the ends, where one is better yet), and its worst
+  /// among the designs that are best in another: the box.
   std::vector<double> box_best, box_worst;
   /// The same, moved out to the points that lie beyond the box.
   std::vector<double> ideal, reference;
@@ -70,9 +70,10 @@ struct FrontOptions {
 /// FrontGaps finds the front known least, until it has pareto_points designs, or less than
 /// kFrontFound of the box is missing, or the searches are kMostSearches as many.  Every point is
 /// the best that any tooth set has within its limits, as far as the refinement of a set finds its
-/// optimum.  What other points dominate is dropped.  What searches within wider limits have found
-/// of a set is not refined again (SetAnswers).
-/// Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method); own derivation, docs/theory §12.
+/// optimum, and then bettered() in what its search did not ask for.  What other points dominate is
+/// dropped.  What searches within wider limits have found of a set is not refined again
+/// (SetAnswers). Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method); own derivation,
+/// docs/theory §12.
 /// @param spec  with two objectives or more; must outlive the call only
 /// @param progress  its stop ends the search, keeping the points found
 ParetoFront search_pareto_front(const Specification& spec, Progress& progress,

@@ -531,7 +531,7 @@ std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const Shi
 }
 
 std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
-                                 const StopFlag& stop, const KnownTrain* known) {
+                                 const StopFlag& stop, const KnownOfSet& known) {
   Progress progress;
   const std::array one{candidate};
   SetBounds bounds(spec, one, progress);
@@ -541,7 +541,7 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   Specification own = spec;
   own.planets = {candidate.planets};
   return Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bounds.by_modules(0),
-                             stop, {.design = known});
+                             stop, known);
 }
 
 RefinedSet refine(const Specification& spec, const Candidate& candidate) {

@@ -74,9 +74,8 @@ class Refiner {
 
 /// Refines one tooth set by itself.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
-/// @param known  see KnownOfSet::design
 /// @returns empty when `stop` became true before it was done
 std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
-                                 const StopFlag& stop, const KnownTrain* known = nullptr);
+                                 const StopFlag& stop, const KnownOfSet& known = {});
 
 }  // namespace gear3k::optimize

@@ -139,7 +139,8 @@ void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& h
       return;
     }
     const KnownTrain start = start_in(*own, spec, best);
-    const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop, &start);
+    const std::optional<RefinedSet> again =
+        refine(*own, best.candidate, progress.stop, {.design = &start});
     if (!again) {
       stopped = true;
       return;
@@ -196,7 +197,8 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
   };
   RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si(*price)};
   const KnownTrain start = start_in(*own, spec, best);
-  const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop, &start);
+  const std::optional<RefinedSet> again =
+      refine(*own, best.candidate, progress.stop, {.design = &start});
   if (!again) {
     held.interrupted = true;
     return;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "io/files/specification_file.hpp"
+#include "tests/optimize/least_lost_motion.hpp"
 #include "tests/sample.hpp"
 
 namespace gear3k::optimize::pareto_search_test {
@@ -121,6 +122,47 @@ TEST(ParetoSearch, TheFirstObjectiveAloneHasTheFirstPoint) {
   // What the limit at this efficiency gives way.
   EXPECT_NEAR(front.points.front().values[0], alone.best->eta_b, 3e-6);
   EXPECT_EQ(front.points.front().set.candidate, alone.best->candidate);
+}
+
+/// What a row and a search of its tooth set may differ by: a millionth that the first objective may
+/// lose, and what is feasible on either side.
+constexpr double kHeld = 4e-6;
+
+TEST(ParetoSearch, NoDesignOfARowsToothSetIsBetterInOneObjectiveAndAsGoodInTheOthers) {
+  const Specification spec = test::of_least_lost_motion();
+  Progress progress;
+  const OptimizeResult searched = optimize(spec, progress);
+  const ParetoFront front = search_pareto_front(spec, progress, {.searched = &searched});
+  ASSERT_GT(front.points.size(), 2U);
+  for (const ParetoPoint& point : front.points) {
+    Specification efficiency = spec;
+    efficiency.objectives = {Objective::kBackwardEfficiency};
+    efficiency.limits[design::CheckId::kOutputBacklashMax] = point.values[0];
+    const RefinedSet best = refine(efficiency, point.set.candidate);
+    if (has_design(best.status)) {
+      EXPECT_LE(best.eta_b, point.values[1] + kHeld) << point.values[0];
+    }
+    Specification lost_motion = spec;
+    lost_motion.objectives = {Objective::kLostMotion};
+    lost_motion.objective_limits.push_back(
+        {.objective = Objective::kBackwardEfficiency, .value = point.values[1]});
+    const RefinedSet least = refine(lost_motion, point.set.candidate);
+    if (has_design(least.status)) {
+      EXPECT_GE(least.lost_motion_rad, point.values[0] * (1.0 - kHeld)) << point.values[1];
+    }
+  }
+}
+
+TEST(ParetoSearch, TheFirstRowHasTheLeastLostMotionThatAnySetHasAlone) {
+  const Specification spec = test::of_least_lost_motion();
+  Progress progress;
+  const OptimizeResult alone = optimize(spec, progress);
+  ASSERT_TRUE(alone.best);
+  const double least = alone.best->lost_motion_rad;
+  const ParetoFront front = search_pareto_front(spec, progress, {.searched = &alone});
+  EXPECT_LE(front.box_best[0], least);
+  EXPECT_GE(front.box_best[0], least * (1.0 - 1e-4)) << "the same optimum";
+  EXPECT_LE(front.points.front().values[0], least * (1.0 + kHeld));
 }
 
 TEST(ParetoSearch, GoesOnWhereAnEarlierRunStoppedAndFindsTheSame) {
