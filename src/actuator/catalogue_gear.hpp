@@ -53,7 +53,12 @@ class CatalogueGear final : public GearModel {
   }
   [[nodiscard]] RestBand band(double load_Nm) const override { return rest_band(chain_, load_Nm); }
   [[nodiscard]] bool constant_efficiencies() const override { return true; }
-  [[nodiscard]] double static_nm() const override { return chain_.c2_static_Nm; }
+  /// Where the load is what the friction of the output side holds.
+  void append_band_kinks(const CyclePiece& piece, std::vector<double>& places) const override {
+    for (const double kink : {-chain_.c2_static_Nm, chain_.c2_static_Nm}) {
+      append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, places);
+    }
+  }
   [[nodiscard]] double inertia_kgm2() const override { return chain_.j2_kgm2 + input_kgm2_; }
 
  private:

@@ -89,7 +89,10 @@ class DesignGear : public GearModel {
     return {.low_Nm = resting_input(load_Nm, -1.0), .high_Nm = resting_input(load_Nm, 1.0)};
   }
   [[nodiscard]] bool constant_efficiencies() const override { return linear_; }
-  [[nodiscard]] double static_nm() const override { return 0.0; }
+  /// Where the flow of a mesh changes its direction, about to move either way.
+  void append_band_kinks(const CyclePiece& piece, std::vector<double>& places) const override {
+    for (const double sense : {-1.0, 1.0}) append_flow_changes(piece, {0.0, 1.0}, sense, places);
+  }
   [[nodiscard]] double inertia_kgm2() const override { return train_->inertia_kgm2() + load_kgm2_; }
 
  private:

@@ -316,10 +316,7 @@ class CycleRun {
 template <class Gear, std::size_t kCauses>
 void CycleRun<Gear, kCauses>::add_rest(const CyclePiece& piece) {
   std::vector<double> edges{0.0};
-  const double hold = gear_.static_nm();
-  for (const double kink : {-hold, hold}) {
-    append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, edges);
-  }
+  gear_.append_band_kinks(piece, edges);
   edges.push_back(1.0);
   std::ranges::sort(edges);
   std::vector<double> parts{0.0};

@@ -46,8 +46,8 @@ class GearModel {
   [[nodiscard]] virtual RestBand band(double load_Nm) const = 0;
   /// Whether u is a polynomial of the motion between changes of the flow.
   [[nodiscard]] virtual bool constant_efficiencies() const = 0;
-  /// Output-side friction that has to be overcome from rest [N m], where the band has its kinks.
-  [[nodiscard]] virtual double static_nm() const = 0;
+  /// Where within a piece at rest the band has its kinks, appended.
+  virtual void append_band_kinks(const CyclePiece& piece, std::vector<double>& places) const = 0;
   /// J of twice the kinetic energy over w², gearbox and load.
   [[nodiscard]] virtual double inertia_kgm2() const = 0;
 };

@@ -122,6 +122,27 @@ TEST(DesignGear, ALedgerWithDragsAndBodiesCloses) {
   EXPECT_EQ(d.regenerated_J, back.regenerated_J);
 }
 
+// Drag holds the output at rest until the load is greater: what the motor holds has a kink there.
+TEST(DesignGear, HoldingALoadAgainstADragCostsTheSameInOneRowAndInMany) {
+  design::Design design = bare("loaded.toml");
+  design.shafts.drag[design::kOutputShaft].constant_Nm = 3.0;
+  const Actuator a = with_train(design);
+  const auto held = [&](int rows, double load_Nm) {
+    actuator::Cycle cycle;
+    for (int k = 0; k <= rows; ++k) {
+      cycle.time_s.push_back(static_cast<double>(k) / rows);
+      cycle.motion.push_back(0.0);
+      cycle.load_Nm.push_back(load_Nm * k / rows);
+    }
+    return loss_of(run_cycle(a, cycle), "copper");
+  };
+  for (const double load_Nm : {4.5, -6.0}) {
+    const double exact = held(1, load_Nm);
+    EXPECT_GT(exact, 0.0);
+    EXPECT_NEAR(held(4000, load_Nm), exact, 1e-7 * exact) << load_Nm;
+  }
+}
+
 TEST(AcceleratedTrain, HasTheEffectiveInertiaOfItsBodies) {
   const design::Design design = with_bodies(bare("loaded.toml"));
   const auto evaluated = design::evaluate(design);

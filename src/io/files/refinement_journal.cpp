@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "io/text/build_id.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_reader.hpp"
 #include "io/text/fnv_hash.hpp"
@@ -173,6 +174,9 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
 
 std::uint64_t task_fingerprint(const std::vector<std::string>& contents) {
   std::uint64_t hash = hashed(hashed(kHashBasis, version()), git_commit());
+  // No commit tells builds of changed sources apart.
+  if (git_commit() == "unknown" || git_commit().ends_with("-dirty"))
+    hash = hashed(hash, build_id());
   for (const std::string& content : contents) {
     hash = hashed_bytes(hashed(hash, content), content.size());
   }

@@ -11,8 +11,9 @@
 
 namespace gear3k::io {
 
-/// Tells tasks apart: a hash of the contents of their files, in this order, and of the program's
-/// version.
+/// Tells tasks apart: a hash of the contents of their files, in this order, and of the program: its
+/// version and commit, and where that does not say what it was built from (changed sources, none)
+/// its build id.
 std::uint64_t task_fingerprint(const std::vector<std::string>& contents);
 
 /// The sets of a journal, by rising index.
