@@ -199,9 +199,11 @@ std::string search_counts_text(const Specification& spec, const ToothSearchResul
 std::string search_table(const Specification& spec, const ToothSearchResult& search,
                          optimize::ZeroShiftRanking& ranking) {
   std::string text = search_counts_text(spec, search);
-  text +=
-      "At zero profile shift, P1-R1 and P2-R2 closed (before refinement; * = a mesh interferes or "
-      "has a contact ratio below 1 there):\n";
+  // A length thins teeth by an angle that depends on the module.
+  text += fmt::format(
+      "At zero profile shift, P1-R1 and P2-R2 closed{} (before refinement; * = a mesh interferes "
+      "or has a contact ratio below 1 there):\n",
+      optimize::thinning_varies(spec) ? ", A_sn_um at the least module" : "");
   TextTable table({"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward",
                    "lost motion", "eps S-P1", "eps P1-R1", "eps P2-R2", "m2/m1"});
   std::size_t rows = 0;

@@ -138,6 +138,9 @@ TEST(OptimizeRound, TellsWhatThicknessAllowancesThinTheTeethBy) {
   for (std::size_t gear = 0; gear < 5; ++gear) {
     EXPECT_NEAR(lengths[gear].get<double>(), (gear == 2 || gear == 4 ? 30.0 : 22.0) * cosine, 1e-6);
   }
+  const ProgramResult search = place.run({"search", "spec.toml"});
+  EXPECT_NE(search.out.find("P2-R2 closed, A_sn_um at the least module (before"), std::string::npos)
+      << search.out;
   EXPECT_NE(run.out.find(", allowances 20.67 20.67 28.19 20.67 28.19 um"), std::string::npos)
       << run.out;
 }
