@@ -383,7 +383,10 @@ std::optional<LimitPrice> price_of_load(const SetProblem& own, const std::vector
     if (slope > rounding) return std::nullopt;
     if (slope >= -rounding) continue;
     weight[static_cast<Eigen::Index>(k)] = -slope;
-    price.where.push_back(pulls[k].where);
+    // The root and the flank of a gear are two rows at one place.
+    if (std::ranges::find(price.where, pulls[k].where) == price.where.end()) {
+      price.where.push_back(pulls[k].where);
+    }
   }
   if (price.where.empty()) return std::nullopt;
   fill_price(stated, multipliers, weight, price);

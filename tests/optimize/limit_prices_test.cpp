@@ -274,6 +274,8 @@ TEST(LimitPrices, OfTheLoadIsWhatRefiningAnewWithAnotherOneGains) {
     const LimitPrice* const price = price_of_the_load(held);
     const auto from = problem_of(spec, set);
     if (price == nullptr || !from || !price->unique()) continue;
+    const std::set<std::string> places(price->where.begin(), price->where.end());
+    EXPECT_EQ(places.size(), price->where.size()) << "each place once, for its root and its flank";
     EXPECT_LT(price->loosened, 0.0) << "the efficiency falls where more is to be carried";
     const double step_Nm = 1e-4 * torque_Nm;
     const auto up = refined_anew(spec, *from, price->limit, step_Nm);
