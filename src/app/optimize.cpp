@@ -154,14 +154,19 @@ void note_not_stationary(const optimize::RefinedSet& set, Notes& notes) {
       set.kkt_residual, optimize::kStationary));
 }
 
-Optimization::Best best_of(const OptimizeTask& task, const optimize::Specification& spec,
-                           const optimize::RefinedSet& set) {
+/// The design of a set as its file describes it, to the last bit.
+design::Design stated_of(const OptimizeTask& task, const optimize::Specification& spec,
+                         const optimize::RefinedSet& set) {
   design::Design found = optimize::design_of(spec, set);
   found.limits = task.stated_limits;
   // As SPEC states it: where it does not, the middle of a model's range judges, and is no input.
   found.operating_point = (task.without_model ? *task.without_model : spec).operating_point;
-  // What is shown is what best.toml describes, to the last bit.
-  design::Design stated = io::as_written(found);
+  return io::as_written(found);
+}
+
+Optimization::Best best_of(const OptimizeTask& task, const optimize::Specification& spec,
+                           const optimize::RefinedSet& set) {
+  design::Design stated = stated_of(task, spec, set);
   design::Design design = with_judging_model(task, stated);
   design::Evaluation evaluation = evaluate(design, task.source);
   evaluation.notes.insert(evaluation.notes.end(), task.model_notes.begin(), task.model_notes.end());
@@ -376,6 +381,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     outcome.front = optimize::search_pareto_front(
         task.spec, progress,
         {.steps = steps, .on_step = hooks.on_front_step, .searched = &outcome.result});
+    for (const optimize::ParetoPoint& point : outcome.front->points) {
+      outcome.front_designs.push_back(stated_of(task, task.spec, point.set));
+    }
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {

@@ -82,6 +82,7 @@ struct Optimization {
     std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
+  std::vector<design::Design> front_designs{};  ///< as files state them, of the front's points
   /// Limits of what is felt at the best design's output through the stated motor.
   std::vector<actuator::LimitCheck> felt{};
   std::optional<CoDesigned> co_design;  ///< its motor, of the objective cycle_energy

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -7,6 +8,7 @@
 #include "actuator/co_design.hpp"
 #include "app/optimize.hpp"
 #include "cli/commands.hpp"
+#include "cli/front_files.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
@@ -256,6 +258,13 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, const Opti
     files.push_back(
         {.path = kActuatorName, .text = io::actuator_text(o.co_design->actuator, "best.toml")});
   }
+  const std::vector<std::string> earlier = earlier_front_files(folder.path_of(""));
+  for (io::FileText& file : front_files(o.front_designs)) {
+    if (!replaces && std::ranges::find(earlier, file.path) == earlier.end()) {
+      folder.set_aside(file.path);
+    }
+    files.push_back(std::move(file));
+  }
   folder.write(std::move(files), run.figures);
   if (!o.best) folder.set_aside("best.toml");
   if (!o.rounded) folder.set_aside(kRoundedName);
@@ -301,11 +310,12 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
                          table_choice(options.show).columns, kBrokenIndent) +
           fmt::format(
               "\nFiles in {}: best.toml (this design), {}{}refined.csv ({} tooth sets), "
-              "pareto.csv ({} designs), {}summary.json\n",
+              "pareto.csv ({} designs), {}{}summary.json\n",
               options.out, o.rounded ? "best_rounded.toml, " : "",
               o.co_design ? "actuator.toml (its motor with it), " : "",
               o.result.search.candidates.size() - run.tally.open,
               o.front ? o.front->points.size() : o.result.pareto.size(),
+              front_files_text(o.front_designs.size()),
               run.figures.files.empty() ? std::string() : fmt::format("{}, ", kFrontFigure));
       print_result(
           (o.result.interrupted || (o.front && o.front->interrupted)
@@ -480,12 +490,15 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   app::OptimizeTask task = app::optimize_task(input.request);
   std::vector<std::string> inputs = io::named_files(task.spec);
   inputs.insert(inputs.end(), {options.file, options.model});
+  std::vector<std::string> files{"best.toml",   kRoundedName, kActuatorName,
+                                 "refined.csv", "pareto.csv", kSummaryName};
+  for (std::string& name : possible_front_files(task.spec)) files.push_back(std::move(name));
   ResultFolder folder({.path = options.out,
                        .inputs = std::move(inputs),
-                       .files = {"best.toml", kRoundedName, kActuatorName, "refined.csv",
-                                 "pareto.csv", kSummaryName},
+                       .files = std::move(files),
                        .others = {kJournalName, kFrontJournalName},
                        .figures = {kFrontFigure},
+                       .earlier = earlier_front_files(options.out),
                        .quiet = options.quiet});
   if (options.front_budget_s > 0.0 && task.spec.objectives.size() < 2) {
     throw io::InvalidInput(fmt::format(

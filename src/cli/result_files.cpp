@@ -130,7 +130,9 @@ void ResultFolder::set_aside(const std::string& name) const {
 }
 
 void ResultFolder::set_all_aside() const {
-  for (const std::string& name : task_.files) set_aside(name);
+  for (const auto* names : {&task_.files, &task_.earlier}) {
+    for (const std::string& name : *names) set_aside(name);
+  }
 }
 
 void ResultFolder::remove_earlier(const std::string& name) const {

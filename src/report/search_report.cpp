@@ -326,9 +326,11 @@ std::string pareto_csv(const OptimizeResult& result, const RefinedColumns& colum
   return text;
 }
 
+std::string front_file_name(std::size_t row) { return fmt::format("front_{:02}.toml", row + 1); }
+
 std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& front) {
   const RefinedColumns columns = refined_columns(spec);
-  const auto point_fields = [&](const optimize::ParetoPoint& point) {
+  const auto point_fields = [&](const optimize::ParetoPoint& point, std::size_t row) {
     Fields f = refined_fields(point.set, std::nullopt, columns);
     for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
       const optimize::ObjectiveRecord& record = optimize::objective_record(spec.objectives[k]);
@@ -336,12 +338,15 @@ std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& f
                 {fmt::format("objective_{}{}{}", record.name, record.unit.empty() ? "" : "_",
                              record.unit)});
     }
+    f.add_row(front_file_name(row), {"design_file"});
     return f;
   };
   const optimize::ParetoPoint nameless{.set = nameless_set(),
                                        .values = std::vector<double>(spec.objectives.size())};
-  std::string text = point_fields(nameless).csv_header();
-  for (const optimize::ParetoPoint& point : front.points) text += point_fields(point).csv_values();
+  std::string text = point_fields(nameless, 0).csv_header();
+  for (std::size_t row = 0; row < front.points.size(); ++row) {
+    text += point_fields(front.points[row], row).csv_values();
+  }
   return text;
 }
 
@@ -412,6 +417,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
     entry["box_worst"] = known ? io::Json(front.box_worst[k] / record.per_unit) : nullptr;
     objectives.push_back(std::move(entry));
   }
+  io::Json files = io::Json::array();
+  for (std::size_t row = 0; row < front.points.size(); ++row) files.push_back(front_file_name(row));
   return {{"objectives", std::move(objectives)},
           {"designs", front.points.size()},
           {"asked", spec.pareto_points},
@@ -419,7 +426,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
           {"searches", front.searches},
           {"hypervolume", front.hypervolume},
           {"missing", front.missing},
-          {"grid_cut", front.grid_cut}};
+          {"grid_cut", front.grid_cut},
+          {"design_files", std::move(files)}};
 }
 
 }  // namespace

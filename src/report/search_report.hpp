@@ -80,7 +80,10 @@ void write_refined_csv(const optimize::OptimizeResult& result, const RefinedColu
 /// pareto.csv: the same columns for the sets of result.pareto.
 std::string pareto_csv(const optimize::OptimizeResult& result, const RefinedColumns& columns);
 
-/// pareto.csv of a list of objectives: the same columns, then each objective in its unit.
+/// Name of the DESIGN file of a row of the front, counted from 0: front_01.toml.
+std::string front_file_name(std::size_t row);
+/// pareto.csv of a list of objectives: the same columns, then each objective in its unit, and
+/// design_file.
 std::string pareto_csv(const optimize::Specification& spec, const optimize::ParetoFront& front);
 std::string pareto_table(const optimize::Specification& spec, const optimize::ParetoFront& front);
 
