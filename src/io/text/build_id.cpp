@@ -2,9 +2,11 @@
 
 #include <link.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace gear3k::io {
 
@@ -35,8 +37,7 @@ int take_build_id(dl_phdr_info* object, std::size_t /*size*/, void* found) {
   for (int k = 0; k < object->dlpi_phnum; ++k) {
     const ElfW(Phdr)& segment = object->dlpi_phdr[k];
     if (segment.p_type != PT_NOTE) continue;
-    const auto* bytes =
-        reinterpret_cast<const char*>(object->dlpi_addr + segment.p_vaddr);  // where it is loaded
+    const auto* bytes = std::bit_cast<const char*>(object->dlpi_addr + segment.p_vaddr);
     std::string id = build_id_in({bytes, segment.p_memsz});
     if (id.empty()) continue;
     *static_cast<std::string*>(found) = std::move(id);
