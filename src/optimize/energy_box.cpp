@@ -2,33 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
 #include <numbers>
-#include <utility>
 
 #include "design/checks.hpp"
 #include "design/design.hpp"
 #include "efficiency/friction_law.hpp"
-#include "geometry/involute.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "inertia/mass_properties.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/shift_range.hpp"
+#include "optimize/stage_relaxer.hpp"
+#include "optimize/stage_tasks.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
-
-/// Base pitches from the pitch point at which teeth touch at most, by the limit of the contact
-/// ratio, or what no involute exceeds.
-double farthest_contact(const Specification& spec) {
-  constexpr double kGreatestContactRatio = 3.0;
-  return std::min(kGreatestContactRatio,
-                  spec.limits[design::CheckId::kContactRatioMax].value_or(kGreatestContactRatio) +
-                      design::kFeasibilityTolerance);
-}
 
 /// The longest addendum of the rack, in modules.
 double longest_addendum(const Specification& spec) {
@@ -36,66 +25,57 @@ double longest_addendum(const Specification& spec) {
   return spec.rack.addendum + (shortening ? std::max(0.0, -shortening->min) : 0.0);
 }
 
-/// The same of the sun's mesh: to the tips. Without negative backlash,
-///   inv α_w ≥ inv α + (2 tan α (x1 + x2) − (q1 + q2)/cos α)/(z1 + z2)
-/// and each side is longest with the greatest shift of its own gear and the least of the other.
-double farthest_sun_contact(const Specification& spec, const train::ToothSet& z) {
-  const double usual = farthest_contact(spec);
-  const auto least = design::least_backlash_m(spec.limits, train::kMeshSP1);
-  if (spec.free.pressure_angle_rad || !least || *least < 0.0) return usual;
-  const double alpha = spec.pressure_angle_rad;
-  const double module = module_range(spec.module[0]).lo;
-  const double thinner = machining_allowance(spec, train::kS, alpha, module) +
-                         machining_allowance(spec, train::kP1, alpha, module);
-  constexpr double kRoom = 1e-5;
-  double farthest = 0.0;
-  for (const auto& [own, other] :
-       {std::pair(train::kS, train::kP1), std::pair(train::kP1, train::kS)}) {
-    const double most = shift_limits(spec, static_cast<int>(own)).max;
-    const double shifts = most + shift_limits(spec, static_cast<int>(other)).min;
-    const double value =
-        geometry::involute(alpha) +
-        (2.0 * std::tan(alpha) * shifts - thinner / std::cos(alpha)) / (z.S + z.P1);
-    const double working =
-        value > 0.0 ? std::max(0.0, geometry::inverse_involute(value) - kRoom) : 0.0;
-    // In modules.
-    const double teeth = train::teeth_of(z)[own];
-    const double tip = (1.0 + kRoom) * (0.5 * teeth + most + longest_addendum(spec));
-    const double base = 0.5 * teeth * std::cos(alpha);
-    const double side =
-        std::sqrt(std::max(0.0, tip * tip - base * base)) - base * std::tan(working);
-    farthest = std::max(farthest, side / (std::numbers::pi * std::cos(alpha)));
-  }
-  return std::min(usual, farthest);
-}
-
-/// Least efficiency of a mesh, whichever gear drives; 0 where nothing is known.
-/// @param sides  on how many sides of the pitch point contact may be as far, 1 where `farthest` is
-/// that of both together
-/// @param sign  −1 of a ring as the second
-double least_efficiency(const Specification& spec, double farthest, int sides, double first,
-                        double second, double sign) {
-  double friction = 0.0;
+/// Friction of the flanks at most, without and with the factors of approach and recess.
+struct MostFriction {
+  double plain = 0.0, with_factors = 0.0;
+  bool has_factors = false;
+};
+MostFriction most_friction(const design::Friction& friction) {
+  MostFriction most;
   for (const bool forward : {false, true}) {
-    for (const auto& flank : efficiency::constant_frictions(spec.friction, forward)) {
-      friction =
-          std::max(friction,
-                   flank.coefficient * std::max({1.0, flank.approach_factor, flank.recess_factor}));
+    for (const auto& flank : efficiency::constant_frictions(friction, forward)) {
+      const double factor = std::max(flank.approach_factor, flank.recess_factor);
+      most.plain = std::max(most.plain, flank.coefficient);
+      most.with_factors = std::max(most.with_factors, flank.coefficient * std::max(1.0, factor));
+      if (flank.approach_factor != 1.0 || flank.recess_factor != 1.0) most.has_factors = true;
     }
   }
-  const double left = 1.0 - friction * (1.0 + kTurn * farthest / std::min(first, second));
-  if (!(left > 0.0)) return 0.0;
-  // Of the contact's path, and of the mean loss factor pi (1 - e1 - e2 + e1^2 + e2^2).
-  const double path = kTurn * farthest / left;
-  const double mean = std::numbers::pi * (1.0 + sides * std::max(0.0, farthest * (farthest - 1.0)));
-  return std::max(0.0, 1.0 - friction * std::max(path, mean) * (1.0 / first + sign / second));
+  return most;
+}
+
+/// Least efficiency of a mesh, whichever gear drives; 0 where its flanks may jam.
+/// @param second  teeth, of a ring negative
+double least_efficiency(const design::Friction& friction, const MeshReach& reach, double first,
+                        double second) {
+  using efficiency::LossModel;
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const MostFriction mu = most_friction(friction);
+  const double teeth = 1.0 / first + 1.0 / second;
+  const double along_ring = second < 0.0 ? kTurn * reach.farthest / -second : 0.0;
+  const double left = 1.0 - mu.with_factors * (reach.tan_alpha_w + along_ring);
+  // Of the pair farthest out.
+  if (!(left - mu.with_factors * kTurn * reach.farthest * teeth > 1e-9)) return 0.0;
+  const double per_friction = 0.5 * kTurn * teeth * reach.loss_factor;
+  const double path = mu.with_factors * per_friction / left;
+  if (friction.model == LossModel::kCoulombPath || friction.model == LossModel::kDirectional) {
+    return std::max(0.0, 1.0 - path);
+  }
+  const double first_order = mu.plain * per_friction;
+  if (!mu.has_factors) return std::max(0.0, 1.0 - first_order);
+  // First order and what factors add to the path: the latter's own loss is less by so much.
+  const double smaller = second > 0.0 ? std::min(first, second) : first;
+  const double lever = mu.plain * (reach.tan_alpha_w + kTurn * reach.farthest / smaller);
+  const double lacking = friction.model == LossModel::kOhlendorf ? 1.0 : lever / (1.0 + lever);
+  return std::max(0.0, 1.0 - path - lacking * first_order);
 }
 
 struct MostInertia {
   double total_kgm2 = 0.0, ring2_kgm2 = 0.0;
 };
 
-MostInertia most_inertia(const Specification& spec, const train::ToothSet& z, int planets) {
+/// @param distance  greatest centre distances of the stages, in modules
+MostInertia most_inertia(const Specification& spec, const train::ToothSet& z, int planets,
+                         const std::array<double, 2>& distance) {
   using train::kP1, train::kP2, train::kR1, train::kR2, train::kS;
   constexpr double kMore = 1.0 + 4.0 * design::kFeasibilityTolerance;
   std::array<double, 2> module{module_range(spec.module[0]).hi, module_range(spec.module[1]).hi};
@@ -128,7 +108,7 @@ MostInertia most_inertia(const Specification& spec, const train::ToothSet& z, in
   const auto planet1 = cylinder(kP1, reach(kP1, addendum));
   const auto planet2 = cylinder(kP2, reach(kP2, addendum));
   const auto ring2 = cylinder(kR2, reach(kR2, spec.rack.dedendum) + spec.bodies.ring_rim_m);
-  const double orbit = reach(kS, addendum) + reach(kP1, addendum);
+  const double orbit = kMore * std::min(module[0] * distance[0], module[1] * distance[1]);
   return {.total_kgm2 = inertia::lossless_inertia<double>(
               {.teeth = z,
                .planets = planets,
@@ -142,7 +122,40 @@ MostInertia most_inertia(const Specification& spec, const train::ToothSet& z, in
           .ring2_kgm2 = ring2.inertia_kgm2};
 }
 
+using SetReach = std::array<TeethReach, 2>;
+SetReach reach_of(const Specification& spec, const train::ToothSet& z, int planets) {
+  const auto shifts = [&](int gear) {
+    return shift_range(spec, gear, train::teeth_of(z)[static_cast<std::size_t>(gear)]).widest;
+  };
+  const StageTasks tasks(spec);
+  const Candidate set{.teeth = z, .planets = planets};
+  StageTask stage1 =
+      tasks.stage1(set, {shifts(train::kS), shifts(train::kP1), shifts(train::kR1)}, 1.0);
+  StageTask stage2 = tasks.stage2(set, {shifts(train::kP2), shifts(train::kR2)}, 1.0, kInfinity);
+  stage1.least = stage2.least = StageTask::Least::kDistance;  // no least loss
+  return {teeth_reach(stage1), teeth_reach(stage2)};
+}
+
+/// Where a stage has no design, 1.
+std::array<double, train::kMeshCount> efficiencies_at(const design::Friction& friction,
+                                                      const train::ToothSet& z,
+                                                      const SetReach& reach) {
+  const auto& [stage1, stage2] = reach;
+  const double r1 = -z.R1;
+  const double r2 = -z.R2;
+  return {stage1.empty ? 1.0 : least_efficiency(friction, stage1.sun, z.S, z.P1),
+          stage1.empty ? 1.0 : least_efficiency(friction, stage1.ring, z.P1, r1),
+          stage2.empty ? 1.0 : least_efficiency(friction, stage2.ring, z.P2, r2)};
+}
+
 }  // namespace
+
+std::array<double, train::kMeshCount> least_mesh_efficiencies(const Specification& spec,
+                                                              const train::ToothSet& z,
+                                                              int planets) {
+  if (!has_bounds(spec)) return {0.0, 0.0, 0.0};
+  return efficiencies_at(spec.friction, z, reach_of(spec, z, planets));
+}
 
 EnergyBox energy_box(const Specification& spec, const train::ToothSet& z, int planets,
                      double most_forward, double most_backward) {
@@ -150,11 +163,14 @@ EnergyBox energy_box(const Specification& spec, const train::ToothSet& z, int pl
       .ratio = train::ratio(z), .most_forward = most_forward, .most_backward = most_backward};
   if (!knows_inertia(spec)) return box;
   box.least_inertia_kgm2 = best_value(Objective::kInertia, spec, z, planets);
-  const MostInertia most = most_inertia(spec, z, planets);
+  if (!has_bounds(spec)) {
+    box.known = false;
+    return box;
+  }
+  const SetReach reach = reach_of(spec, z, planets);
+  const MostInertia most = most_inertia(spec, z, planets, {reach[0].distance, reach[1].distance});
   box.most_inertia_kgm2 = std::max(most.total_kgm2, box.least_inertia_kgm2);
-  const double eta1 = least_efficiency(spec, farthest_sun_contact(spec, z), 2, z.S, z.P1, 1.0);
-  const double eta2 = least_efficiency(spec, farthest_contact(spec), 1, z.P1, z.R1, -1.0);
-  const double eta3 = least_efficiency(spec, farthest_contact(spec), 1, z.P2, z.R2, -1.0);
+  const auto [eta1, eta2, eta3] = efficiencies_at(spec.friction, z, reach);
   if (!(eta1 > 0.0 && eta2 > 0.0 && eta3 > 0.0)) {
     box.known = false;
     return box;

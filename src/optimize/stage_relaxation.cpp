@@ -13,37 +13,6 @@ namespace gear3k::optimize {
 
 namespace {
 
-double share_cost(double e, bool sliding) {
-  const double off = std::abs(e - 0.5);
-  return sliding && off > 0.5 ? off - 0.25 : off * off;
-}
-
-/// Least ½ + h(e1) + h(e2) over a rectangle cut by lo ≤ e1 + e2 ≤ hi.
-struct LeastShares {
-  double factor = kInfinity, e1 = 0.5, e2 = 0.5;
-};
-LeastShares least_shares(const Interval& e1, const Interval& e2, const Interval& epsilon,
-                         bool sliding) {
-  LeastShares least;
-  if (e1.empty() || e2.empty() || epsilon.empty() || e1.lo + e2.lo > epsilon.hi ||
-      e1.hi + e2.hi < epsilon.lo) {
-    return least;
-  }
-  least.e1 = std::clamp(0.5, e1.lo, e1.hi);
-  least.e2 = std::clamp(0.5, e2.lo, e2.hi);
-  const double sum = least.e1 + least.e2;
-  const double nearest = std::clamp(sum, epsilon.lo, epsilon.hi);
-  if (nearest != sum) {
-    // On the line e1 + e2 = nearest: the nearest point to its middle.
-    least.e1 =
-        std::clamp(0.5 * nearest, std::max(e1.lo, nearest - e2.hi),
-                   std::max(std::max(e1.lo, nearest - e2.hi), std::min(e1.hi, nearest - e2.lo)));
-    least.e2 = nearest - least.e1;
-  }
-  least.factor = 0.5 + share_cost(least.e1, sliding) + share_cost(least.e2, sliding);
-  return least;
-}
-
 /// The lines of action of a stage at one centre distance.
 struct Distance {
   double d = 0.0;
@@ -80,6 +49,28 @@ class StageSearch {
     Box first;
     if (!first_box(first)) return {kInfinity, -kInfinity};
     return {first.low.d, first.high.d};
+  }
+
+  [[nodiscard]] TeethReach reach() const {
+    constexpr int kDistances = 8, kShifts = 4;
+    TeethReach reach;
+    Box box, whole;
+    if (!first_box(whole)) return reach;
+    const auto at_share = [](double lo, double hi, int k, int n) {
+      return k == n ? hi : lo + (hi - lo) * k / n;
+    };
+    const Interval& xp = whole.planet_shift;
+    box.high = whole.low;
+    for (int i = 1; i <= kDistances; ++i) {
+      box.low = box.high;
+      box.high = at(at_share(whole.low.d, whole.high.d, i, kDistances));
+      for (int k = 0; k < kShifts; ++k) {
+        box.planet_shift = {at_share(xp.lo, xp.hi, k, kShifts),
+                            at_share(xp.lo, xp.hi, k + 1, kShifts)};
+        widen_by_box(reach, box);
+      }
+    }
+    return reach;
   }
 
   StageBound run(const StageEffort& effort) {
@@ -213,8 +204,9 @@ class StageSearch {
     Interval planet_tip{}, sun_tip{};     ///< heights
     Interval planet_length{};             ///< ρ_a of the planet
     Interval ring_shift{}, ring_length{};
-    double low_tan = 0.0, high_tan = 0.0;  ///< tan α_w of planet and ring
-    Interval e1{}, e2{}, ring_ratio{};     ///< contact ratios of planet and ring
+    double low_tan = 0.0, high_tan = 0.0;      ///< tan α_w of planet and ring
+    Interval e1{}, e2{}, ring_ratio{};         ///< contact ratios of planet and ring
+    Interval sun_e1{}, sun_e2{}, sun_ratio{};  ///< those of sun and planet
   };
   /// Least m² [m²] that flanks and roots ask for in a box.
   struct Needs {
@@ -225,6 +217,34 @@ class StageSearch {
   struct Effects {
     double distance = 0.0, shift = 0.0;
   };
+
+  /// Takes a copy of a box into what is reached.
+  void widen_by_box(TeethReach& reach, Box box) const {
+    Rest rest = confine_sums(box);
+    Effects effects;
+    Needs needs;
+    if (!confine_planet(box, rest) || !confine_ring(box, rest) ||
+        !bound_ring_loss(box, rest, effects) ||
+        (t_.sun && !examine_sun(box, rest, effects, needs))) {
+      return;
+    }
+    reach.empty = false;
+    reach.distance = std::max(reach.distance, box.high.d);
+    const auto widen = [&](MeshReach& mesh, const Interval& e1, const Interval& e2,
+                           const Interval& ratio, double tangent) {
+      const auto take = [&](double e) { mesh.farthest = std::max(mesh.farthest, e); };
+      take(std::min(e1.hi, ratio.hi - e2.lo));
+      take(std::min(e2.hi, ratio.hi - e1.lo));
+      // Without contact the middle of the empty path counts.
+      if (ratio.lo < 0.0) take(std::max(-e1.lo, -e2.lo));
+      mesh.loss_factor = std::max(mesh.loss_factor, most_loss_factor(e1, e2, ratio, t_.sliding));
+      mesh.tan_alpha_w = std::max(mesh.tan_alpha_w, tangent);
+    };
+    widen(reach.ring, rest.e1, rest.e2, rest.ring_ratio, rest.high_tan);
+    if (t_.sun) {
+      widen(reach.sun, rest.sun_e1, rest.sun_e2, rest.sun_ratio, box.high.sun_tangent / sun_sum_);
+    }
+  }
 
   /// Confines the box and bounds its losses.  @returns false when it holds no point
   bool examine(Box& box) const {
@@ -474,7 +494,7 @@ class StageSearch {
             std::max(0.0, std::min(sum.hi, xs.hi + box.planet_shift.hi) - (box.low.d - half_sum))};
   }
 
-  bool examine_sun(Box& box, const Rest& rest, Effects& effects, Needs& needs) const {
+  bool examine_sun(Box& box, Rest& rest, Effects& effects, Needs& needs) const {
     constexpr double kSlack = kRelaxationSlack;
     const StageGear& sun = *t_.sun;
     const Distance& low = box.low;
@@ -505,11 +525,13 @@ class StageSearch {
                   flank_length(sun, sun_base_, xs.hi + sun_tip.hi)};
     const double low_tan = low.sun_tangent / sun_sum_;
     const double high_tan = high.sun_tangent / sun_sum_;
-    const Interval e1{(sun_length.lo - sun_base_ * high_tan) / base_pitch_ - kSlack,
-                      (sun_length.hi - sun_base_ * low_tan) / base_pitch_ + kSlack};
-    const Interval e2{(planet_length.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
-                      (planet_length.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
-    const Interval ratio{
+    const Interval& e1 =
+        rest.sun_e1 = {(sun_length.lo - sun_base_ * high_tan) / base_pitch_ - kSlack,
+                       (sun_length.hi - sun_base_ * low_tan) / base_pitch_ + kSlack};
+    const Interval& e2 =
+        rest.sun_e2 = {(planet_length.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
+                       (planet_length.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
+    const Interval& ratio = rest.sun_ratio = {
         std::max(t_.contact_ratio.lo,
                  (sun_length.lo + planet_length.lo - high.sun_tangent) / base_pitch_) -
             kSlack,
@@ -567,32 +589,11 @@ class StageSearch {
 
 }  // namespace
 
-double least_loss_factor(const Interval& e1, const Interval& e2, const Interval& epsilon,
-                         bool sliding) {
-  if (!sliding) return least_shares(e1, e2, epsilon, false).factor;
-  double least = kInfinity;
-  const auto part = [&](double lo, double hi) {
-    return Interval{std::max(epsilon.lo, lo), std::min(epsilon.hi, hi)};
-  };
-  if (const Interval below = part(-kInfinity, 1.0); !below.empty() && below.lo < 1.0) {
-    if (least_shares(e1, e2, below, true).factor < kInfinity) {
-      least = std::max(0.0, 0.5 * below.lo);
-    }
-  }
-  if (const Interval usual = part(1.0, 2.0); !usual.empty()) {
-    least = std::min(least, least_shares(e1, e2, usual, true).factor);
-  }
-  if (const Interval above = part(2.0, kInfinity); !above.empty() && above.hi > 2.0) {
-    if (least_shares(e1, e2, above, true).factor < kInfinity) {
-      least = std::min(least, 1.0 + std::min(above.lo - 2.0, 1.0) / 3.0);
-    }
-  }
-  return least;
-}
-
 StageBound relax_stage(const StageTask& task, const StageEffort& effort) {
   return StageSearch(task).run(effort);
 }
+
+TeethReach teeth_reach(const StageTask& task) { return StageSearch(task).reach(); }
 
 Interval center_distances(const StageTask& task) { return StageSearch(task).distances(); }
 

@@ -4,16 +4,14 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <optional>
 
+#include "optimize/loss_factor_bounds.hpp"
 #include "optimize/shift_range.hpp"
 #include "strength/flank_bound.hpp"
 #include "strength/root_bound.hpp"
 
 namespace gear3k::optimize {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One gear of a stage, in modules.
 struct StageGear {
@@ -120,16 +118,24 @@ Interval center_distances(const StageTask& task);
 /// Slack of all comparisons, in modules and in shares of the contact ratio.
 inline constexpr double kRelaxationSlack = 1e-9;
 
-/// Least value of the loss factor B for e1, e2 and ε = e1 + e2 in intervals.
-///
-/// With h(e) = (e − ½)², for `sliding` continued outside [0, 1] by |e − ½| − ¼:
-///   1 ≤ ε ≤ 2            B = ½ + h(e1) + h(e2), convex: least at the point nearest to (½, ½)
-///   2 < ε, sliding       B ≥ 2 ⟨⌊n²/4⌋/n⟩ over the n pairs in contact = 1 + (ε − 2)/3 up to ε = 3
-///   ε < 1, sliding       B ≥ ε/2
-/// Ohlendorf's B is the first form for every ε.
-/// Source: own derivation, docs/theory §32.
-/// @returns the bound; +infinity when the intervals have no point in common
-double least_loss_factor(const Interval& e1, const Interval& e2, const Interval& epsilon,
-                         bool sliding);
+/// How the teeth of a mesh touch at most.
+struct MeshReach {
+  double farthest = 0.0;     ///< from the pitch point, in base pitches
+  double loss_factor = 0.0;  ///< most_loss_factor()
+  double tan_alpha_w = 0.0;  ///< of the working pressure angle
+};
+
+/// The same of a stage, of all points that meet its limits.
+struct TeethReach {
+  bool empty = true;      ///< proven: no point meets them
+  double distance = 0.0;  ///< greatest centre distance
+  MeshReach sun, ring;
+};
+
+/// Contact on both sides of the pitch point, bounded by what relax_stage() leaves of e1, e2 and ε
+/// in each box of a grid over centre distance and the planet's shift: from the tips on, as a path
+/// of any length may lie wholly on one side.
+/// Source: own derivation, docs/theory §75.
+TeethReach teeth_reach(const StageTask& task);
 
 }  // namespace gear3k::optimize

@@ -28,10 +28,9 @@ struct Rectangle {
   Interval e1, e2, epsilon;
 };
 
-/// The least factor at the nodes of a grid that meet the range of ε, corners of the cut included.
-double least_on_grid(const Rectangle& r, bool sliding) {
-  constexpr int kNodes = 80;
-  double least = kInfinity;
+/// The factors at the nodes of a grid that meet the range of ε, corners of the cut included.
+template <class Visit>
+void visit_grid(const Rectangle& r, bool sliding, int nodes, Visit visit) {
   const auto look = [&](double e1, double e2) {
     constexpr double kRounding = 1e-12;
     if (e1 < r.e1.lo - kRounding || e1 > r.e1.hi + kRounding || e2 < r.e2.lo - kRounding ||
@@ -39,14 +38,23 @@ double least_on_grid(const Rectangle& r, bool sliding) {
         e1 + e2 > r.epsilon.hi + kRounding) {
       return;
     }
-    least = std::min(least, factor_of(e1, e2, sliding));
+    visit(factor_of(e1, e2, sliding));
   };
-  for (int i = 0; i <= kNodes; ++i) {
-    const double e1 = r.e1.lo + r.e1.width() * i / kNodes;
-    for (int k = 0; k <= kNodes; ++k) look(e1, r.e2.lo + r.e2.width() * k / kNodes);
+  for (int i = 0; i <= nodes; ++i) {
+    const double e1 = r.e1.lo + r.e1.width() * i / nodes;
+    for (int k = 0; k <= nodes; ++k) look(e1, r.e2.lo + r.e2.width() * k / nodes);
     for (const double sum : {r.epsilon.lo, r.epsilon.hi}) look(e1, sum - e1);
   }
+}
+double least_on_grid(const Rectangle& r, bool sliding) {
+  double least = kInfinity;
+  visit_grid(r, sliding, 80, [&](double factor) { least = std::min(least, factor); });
   return least;
+}
+double most_on_grid(const Rectangle& r, bool sliding) {
+  double most = 0.0;
+  visit_grid(r, sliding, 16, [&](double factor) { most = std::max(most, factor); });
+  return most;
 }
 
 Rectangle random_rectangle(DeterministicRandom& random, const Interval& place,
@@ -106,6 +114,36 @@ TEST_P(LeastLossFactor, IsInfiniteWhereNothingMeetsTheContactRatio) {
   EXPECT_EQ(least_loss_factor({1.1, 1.2}, {1.0, 1.4}, {1.2, 2.0}, GetParam()), kInfinity);
 }
 
+class MostLossFactor : public testing::TestWithParam<bool> {};
+
+TEST_P(MostLossFactor, IsAboveTheFactorAnywhereInTheRectangle) {
+  DeterministicRandom random(14);
+  int with_points = 0;
+  for (int n = 0; n < 1500; ++n) {
+    const Rectangle r = random_rectangle(random, {-2.5, 3.5}, {-0.5, 4.5});
+    const double bound = most_loss_factor(r.e1, r.e2, r.epsilon, GetParam());
+    const double most = most_on_grid(r, GetParam());
+    if (most > 0.0) ++with_points;
+    ASSERT_GE(bound, most - 1e-12)
+        << "e1 " << r.e1.lo << ".." << r.e1.hi << " e2 " << r.e2.lo << ".." << r.e2.hi << " eps "
+        << r.epsilon.lo << ".." << r.epsilon.hi;
+  }
+  EXPECT_GT(with_points, 700);
+}
+
+TEST_P(MostLossFactor, OfAPointIsTheFactorThereBetweenContactRatiosOfOneAndTwo) {
+  DeterministicRandom random(15);
+  for (int n = 0; n < 2000; ++n) {
+    const double e1 = random.between(-2.0, 3.5);
+    const double e2 = random.between(1.0 - e1, 2.0 - e1);
+    const double bound = most_loss_factor({e1, e1}, {e2, e2}, {e1 + e2, e1 + e2}, GetParam());
+    EXPECT_NEAR(bound, factor_of(e1, e2, GetParam()), 1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, MostLossFactor, testing::Bool(), [](const auto& model) {
+  return std::string(model.param ? "Sliding" : "Ohlendorf");
+});
 INSTANTIATE_TEST_SUITE_P(Models, LeastLossFactor, testing::Bool(), [](const auto& model) {
   return std::string(model.param ? "Sliding" : "Ohlendorf");
 });
