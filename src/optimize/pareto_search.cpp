@@ -28,14 +28,13 @@ double slack_of(const Specification& spec, Objective objective) {
                                   : kLimitSlack * std::abs(objective_scale(objective, spec));
 }
 
-/// What an end of the front may lose of what its objective has alone: what is feasible, and not so
-/// little that a limit at 0 is none.
+/// What an end of the front may lose of what its objective has alone: what is feasible; of a value
+/// beside 0, as a lost motion may be, what limits give way elsewhere, as less is beyond reach.
 double end_slack(const Specification& spec, Objective objective, double value) {
-  constexpr double kLeast = 0.01;  // of what limits give way elsewhere
+  constexpr double kBesideZero = 1e-3;  // of the objective's scale
   const double slack = slack_of(spec, objective);
-  return is_efficiency(objective)
-             ? slack
-             : std::max(design::kFeasibilitySlack * std::abs(value), kLeast * slack);
+  if (std::abs(value) < kBesideZero * std::abs(objective_scale(objective, spec))) return slack;
+  return std::min(slack, design::kFeasibilitySlack * std::abs(value));
 }
 
 /// A design of the front as it is searched.
