@@ -98,6 +98,10 @@ SolveOutcome best_within(const RefinementProblem& problem, Point start, bool giv
 bool search_boxes(const BoxProblem& problem, BoxNode root) {
   std::vector<BoxNode> open;
   open.push_back(std::move(root));
+  return search_boxes(problem, open);
+}
+
+bool search_boxes(const BoxProblem& problem, std::vector<BoxNode>& open) {
   while (!open.empty() && !problem.cut()) {
     if (problem.best_first) {
       std::swap(open.back(), *std::ranges::min_element(

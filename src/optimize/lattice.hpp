@@ -91,6 +91,9 @@ struct BoxProblem {
 /// can win.
 /// @returns whether no box is left that can win: false where `cut` ended the search before
 bool search_boxes(const BoxProblem& problem, BoxNode root);
+/// The same from boxes on, the last one first; what is left of them where `cut` ended it stays, so
+/// that the search can go on from there.
+bool search_boxes(const BoxProblem& problem, std::vector<BoxNode>& open);
 
 /// Of the axes of which a box has more than one multiple: the one farthest between two multiples;
 /// where all are on theirs, the longest; empty for a point.

@@ -8,14 +8,24 @@
 #include <set>
 #include <utility>
 
+#include "numerics/parallel.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/lattice.hpp"
 #include "optimize/limit_prices.hpp"
 #include "optimize/objective_value.hpp"
+#include "optimize/set_bounds.hpp"
+#include "optimize/starting_points.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
+
+/// Two ends of a box are one: their scaled objectives, or by which share of it they miss the
+/// limits.
+constexpr double kSameEnd = 1e-6, kSameMiss = 0.01;
+/// Relaxations that a choice of modules has in the first pass, and by how much more in each further
+/// one: no choice uses up what all of them have before the others were looked at.
+constexpr std::size_t kFirstPass = 500, kMoreByPass = 4;
 
 enum class AxisOf { kShift, kTip, kPressureAngle, kFaceWidth, kDistance };
 
@@ -71,11 +81,25 @@ class RoundingTask {
                      .torque_Nm = set_.torque_capacity_Nm.value_or(0.0)});
   }
 
-  /// The best of a box with all values free, from a start; not feasible where none was found.
-  [[nodiscard]] SolveOutcome relax(const LatticeBox& box, const Point& start) const {
+  /// The problem with all values free within a box.
+  [[nodiscard]] RefinementProblem within(const LatticeBox& box) const {
     RefinementProblem p = problem_;
     confine(box, p);
-    return best_within(p, start);
+    return p;
+  }
+
+  /// Whether it is proven that no design with these modules meets all limits.
+  [[nodiscard]] bool proven_empty() const {
+    Progress progress;
+    const std::array one{set_.candidate};
+    SetBounds bounds(*spec_, one, progress);
+    bounds.tie(std::array{std::uint32_t{0}}, progress);
+    return bounds.of(0).infeasible.has_value();
+  }
+
+  /// A scaled objective of this task in SI, to be minimised: tasks of sizes have a scale each.
+  [[nodiscard]] double least_si(double objective) const {
+    return objective * problem_.objective_scale;
   }
 
   /// How many steps an axis is at a point.
@@ -236,61 +260,138 @@ class RoundingTask {
 /// The search over all tasks.
 class LatticeSearch {
  public:
-  LatticeSearch(const StopFlag& stop, const RoundingOptions& options)
-      : stop_(stop), options_(options) {}
+  /// @param scale  of the objective, of all tasks
+  LatticeSearch(double scale, const StopFlag& stop, const RoundingOptions& options)
+      : scale_(scale), stop_(stop), options_(options) {}
 
   void add(RoundingTask task) { tasks_.push_back(std::move(task)); }
 
   Rounding run() {
-    std::vector<std::pair<std::size_t, BoxNode>> roots;
     std::set<std::array<double, 2>> tried, with_design;
+    const std::vector<char> proven_empty = prove_empty();
+    std::vector<OpenTask> open;
     for (std::size_t k = 0; k < tasks_.size() && !cut(); ++k) {
-      const auto& modules = tasks_[k].problem().fixed_module_m;
-      tried.insert({*modules[0], *modules[1]});
-      const auto whole = tasks_[k].whole();
-      if (!whole) continue;
-      BoxNode root{.box = *whole, .relaxed = relax(tasks_[k], *whole, tasks_[k].beginning())};
-      offer(tasks_[k], root);
-      if (!root.relaxed.feasible()) continue;
-      with_design.insert({*modules[0], *modules[1]});
-      roots.emplace_back(k, std::move(root));
+      const RoundingTask& task = tasks_[k];
+      const std::array<double, 2> modules{*task.problem().fixed_module_m[0],
+                                          *task.problem().fixed_module_m[1]};
+      tried.insert(modules);
+      if (proven_empty[k] != 0) continue;
+      if (auto root = root_of(task)) {
+        with_design.insert(modules);
+        open.push_back({.task = &task, .bound = root->bound, .boxes = {}});
+        open.back().boxes.push_back(std::move(*root));
+      }
     }
+    const bool all_begun = !cut();
     result_.module_pairs = tried.size();
     result_.module_pairs_with_design = with_design.size();
-    std::ranges::stable_sort(roots, {},
-                             [](const auto& root) { return root.second.relaxed.objective; });
-    for (auto& [k, root] : roots) descend(tasks_[k], std::move(root));
-    result_.complete = !cut();
+    std::ranges::stable_sort(open, {}, &OpenTask::bound);
+    for (std::size_t most = kFirstPass; !open.empty() && !cut(); most *= kMoreByPass) {
+      std::erase_if(open, [&](OpenTask& one) { return descend(one, most); });
+    }
+    result_.complete = all_begun && open.empty();
+    // What a point misses is told though none can be without it.
+    for (std::size_t k = 0; k < tasks_.size() && !cut(); ++k) {
+      if (result_.best || result_.nearest) break;
+      if (proven_empty[k] != 0) root_of(tasks_[k]);
+    }
     if (result_.best) result_.nearest.reset();
     return std::move(result_);
   }
 
  private:
+  /// A task with what is left of its lattice.
+  struct OpenTask {
+    const RoundingTask* task = nullptr;
+    double bound = 0.0;  ///< of the whole
+    std::vector<BoxNode> boxes;
+  };
+
   [[nodiscard]] bool cut() const {
     return stop_.load(std::memory_order_relaxed) ||
            result_.relaxations >= options_.most_relaxations;
   }
-  SolveOutcome relax(const RoundingTask& task, const LatticeBox& box, const Point& start) {
-    ++result_.relaxations;
-    return task.relax(box, start);
+  /// Which tasks are proven to have no design.
+  [[nodiscard]] std::vector<char> prove_empty() const {
+    std::vector<char> proven(tasks_.size());
+    numerics::parallel_for(tasks_.size(), [&](std::size_t k) {
+      proven[k] = !stop_.load(std::memory_order_relaxed) && tasks_[k].proven_empty() ? 1 : 0;
+    });
+    return proven;
   }
-  [[nodiscard]] bool can_win(const BoxNode& node) const {
-    return node.relaxed.feasible() && node.relaxed.objective < best_ - kBetterOnLattice;
+  /// The whole lattice of a task, from the free optimum and from starts of its own until two end
+  /// alike: an end that is not the best loses the modules.
+  /// @returns empty where no start has a feasible end
+  std::optional<BoxNode> root_of(const RoundingTask& task) {
+    const auto whole = task.whole();
+    if (!whole) return std::nullopt;
+    const RefinementProblem problem = task.within(*whole);
+    BoxNode root{.box = *whole, .relaxed = relax(problem, task.beginning())};
+    const Solver& solver = problem.spec->solver;
+    std::vector<Point> starts = starting_points(problem, solver.starts, solver.seed);
+    std::ranges::reverse(starts);
+    for (const Point& start : starts) {
+      if (cut()) break;
+      SolveOutcome end = relax(problem, start);
+      const bool alike = ends_alike(root.relaxed, end);
+      if (is_better(end, root.relaxed)) root.relaxed = std::move(end);
+      if (alike) break;
+    }
+    bound(task, root);
+    offer(task, root);
+    if (!root.relaxed.feasible()) return std::nullopt;
+    return root;
+  }
+  static bool ends_alike(const SolveOutcome& a, const SolveOutcome& b) {
+    if (a.feasible() != b.feasible()) return false;
+    return a.feasible() ? std::abs(a.objective - b.objective) <= kSameEnd
+                        : std::abs(a.violation - b.violation) <= kSameMiss * a.violation;
   }
 
-  void descend(const RoundingTask& task, BoxNode root) {
-    search_boxes({.relax =
-                      [&](const BoxNode& from, BoxNode& half) {
-                        half.relaxed = relax(task, half.box, from.relaxed.v);
-                        half.bound = half.relaxed.objective;
-                      },
-                  .steps_at = [&](std::size_t axis,
-                                  const Point& v) { return task.steps_at(task.axes()[axis], v); },
-                  .axis_to_cut = [&](const BoxNode& node) { return axis_to_cut(task, node); },
-                  .offer = [&](const BoxNode& node) { offer(task, node); },
-                  .can_win = [&](const BoxNode& node) { return can_win(node); },
-                  .cut = [&] { return cut(); }},
-                 std::move(root));
+  SolveOutcome relax(const RefinementProblem& problem, const Point& start, bool give_up = false) {
+    ++result_.relaxations;
+    return best_within(problem, start, give_up);
+  }
+  /// Once more from the middle before a half is left: the end of the box that it was cut from lies
+  /// at its edge, where a search may stay.
+  void relax_half(const RoundingTask& task, const Point& start, BoxNode& half) {
+    const RefinementProblem problem = task.within(half.box);
+    half.relaxed = relax(problem, start);
+    bound(task, half);
+    if (can_win(half)) return;
+    SolveOutcome again = relax(problem, middle_of(problem), !half.relaxed.feasible());
+    if (is_better(again, half.relaxed)) half.relaxed = std::move(again);
+    bound(task, half);
+  }
+  static Point middle_of(const RefinementProblem& problem) {
+    Point v{};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
+      v[k] = 0.5 * (problem.lower[k] + problem.upper[k]);
+    }
+    return v;
+  }
+  void bound(const RoundingTask& task, BoxNode& node) const {
+    if (node.relaxed.feasible()) node.bound = task.least_si(node.relaxed.objective) / scale_;
+  }
+  [[nodiscard]] bool can_win(const BoxNode& node) const {
+    return node.bound < best_ - kBetterOnLattice;
+  }
+
+  /// Goes on with a task's boxes, by so many relaxations at most.
+  /// @returns whether none is left
+  bool descend(OpenTask& one, std::size_t most) {
+    const RoundingTask& task = *one.task;
+    const std::size_t last = result_.relaxations + most;
+    return search_boxes(
+        {.relax = [&](const BoxNode& from,
+                      BoxNode& half) { relax_half(task, from.relaxed.v, half); },
+         .steps_at = [&](std::size_t axis,
+                         const Point& v) { return task.steps_at(task.axes()[axis], v); },
+         .axis_to_cut = [&](const BoxNode& node) { return axis_to_cut(task, node); },
+         .offer = [&](const BoxNode& node) { offer(task, node); },
+         .can_win = [&](const BoxNode& node) { return can_win(node); },
+         .cut = [&] { return cut() || result_.relaxations >= last; }},
+        one.boxes);
   }
 
   /// The axis to cut a box at: the pressure angle, then the distance, then the farthest one.
@@ -311,9 +412,8 @@ class LatticeSearch {
     if (!std::isfinite(node.relaxed.violation)) return;
     ++result_.points;
     RoundedDesign design = task.rounded(node.box, node.relaxed.v);
-    const RefinementProblem& p = task.problem();
     if (is_feasible(design.violation)) {
-      const double f = -sense_of(p.objective) * design.objective / p.objective_scale;
+      const double f = -sense_of(task.problem().objective) * design.objective / scale_;
       if (result_.best && !(f < best_)) return;
       best_ = f;
       result_.best = task.finished(std::move(design));
@@ -323,11 +423,12 @@ class LatticeSearch {
     }
   }
 
+  double scale_;
   const StopFlag& stop_;
   const RoundingOptions& options_;
   std::vector<RoundingTask> tasks_;
   Rounding result_;
-  double best_ = std::numeric_limits<double>::infinity();
+  double best_ = std::numeric_limits<double>::infinity();  ///< in units of scale_, to be minimised
 };
 
 /// Modules of a stage about the optimum's: the multiples of its range, or the one that it has.
@@ -367,7 +468,8 @@ std::shared_ptr<const Specification> with_modules(const Specification& spec, dou
 
 Rounding round_design(const Specification& spec, const RefinedSet& set, const StopFlag& stop,
                       const RoundingOptions& options) {
-  LatticeSearch search(stop, options);
+  const auto at_optimum = with_modules(spec, set.train.module_m[0], set.train.module_m[1]);
+  LatticeSearch search(objective_scale(first_objective(spec), *at_optimum), stop, options);
   for (const double m1 : rounded_modules(spec, set, 0, options.module_steps)) {
     for (const double m2 : rounded_modules(spec, set, 1, options.module_steps)) {
       if (has_same_module(spec) && m1 != m2) continue;

@@ -26,7 +26,8 @@ struct Rounding {
   std::optional<RoundedDesign> nearest;
   std::size_t relaxations = 0;  ///< problems with some values free that were solved
   std::size_t points = 0;       ///< rounded designs that were evaluated
-  bool complete = false;        ///< the search was not cut short
+  /// The search was not cut short; no proof, as relaxations are local.
+  bool complete = false;
   /// Pairs of modules that were tried, and those with a design where all else is free.
   std::size_t module_pairs = 0, module_pairs_with_design = 0;
 };
@@ -42,8 +43,10 @@ struct RoundingOptions {
 /// is no better than the best point.
 ///
 /// Modules of a range take every combination within module_steps of the optimum's, series and given
-/// modules stay; allowances are rounded with each.  All else has its whole range.  Relaxations are
-/// solved locally: a box whose best point no run finds is lost.
+/// modules stay; allowances are rounded with each.  All else has its whole range.  Combinations are
+/// compared in one unit and take turns.  Relaxations are solved locally, those of a combination
+/// from several starts, those of a box that could be left from two: a box whose best point no run
+/// finds is lost.
 /// Source: own derivation, docs/theory §12.
 /// @param set  an optimum of the specification
 /// @param stop  ends the search, which is not complete then

@@ -226,11 +226,6 @@ bool misses_selected(const Workspace& space) {
   });
 }
 
-bool is_better(const SolveOutcome& a, const SolveOutcome& b) {
-  if (a.feasible() != b.feasible()) return a.feasible();
-  return a.feasible() ? a.objective < b.objective : a.violation < b.violation;
-}
-
 }  // namespace
 
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,

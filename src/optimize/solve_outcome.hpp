@@ -17,6 +17,13 @@ struct SolveOutcome {
   [[nodiscard]] bool feasible() const { return is_feasible(violation); }
 };
 
+/// Whether an outcome of a problem is the better one: feasible, then by objective, else nearer to
+/// it.
+inline bool is_better(const SolveOutcome& a, const SolveOutcome& b) {
+  if (a.feasible() != b.feasible()) return a.feasible();
+  return a.feasible() ? a.objective < b.objective : a.violation < b.violation;
+}
+
 /// Values of the problem at v.
 SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v);
 /// The same; the constraints' values are left in `constraints`, of problem.rows.size().

@@ -38,7 +38,7 @@ double center_distance_at(const RefinementProblem& problem, double angle_rad) {
   return parameters_at(problem, used(problem, v)).center_distance_m;
 }
 
-/// The best scaled objective of all points of the lattice; empty: none is feasible.
+/// The best objective of all points of the lattice [SI, to be minimised]; empty: none is feasible.
 std::optional<double> best_of_all(const Specification& spec, const RefinedSet& set,
                                   const Lattice& lattice) {
   std::optional<double> best;
@@ -77,7 +77,8 @@ std::optional<double> best_of_all(const Specification& spec, const RefinedSet& s
                   const Point v = point_of(problem, train_of(own, point), {});
                   const auto f = evaluate<double>(problem, used(problem, v), g);
                   if (!f || worst_violation(g) > design::kFeasibilityTolerance) continue;
-                  if (!best || *f < *best) best = *f;
+                  const double value = *f * problem.objective_scale;
+                  if (!best || value < *best) best = value;
                 }
               }
             }
@@ -104,6 +105,24 @@ Specification coarse(Specification spec) {
   return spec;
 }
 
+/// All points whose modules are within steps of the optimum's.
+Lattice lattice_of(const Specification& spec, const RefinedSet& set, int steps) {
+  Lattice lattice{.m1 = {set.train.module_m[0]},
+                  .m2 = {set.train.module_m[1]},
+                  .shift = multiples(spec.round.profile_shift, -0.1, 0.5),
+                  .ring_shift = multiples(spec.round.profile_shift, 0.0, 1.0)};
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const auto& range = spec.module[stage].range_m;
+    if (!range || !(range->min < range->max)) continue;
+    const double step = spec.round.module_m;
+    const double middle = std::round(set.train.module_m[stage] / step) * step;
+    (stage == 0 ? lattice.m1 : lattice.m2) =
+        multiples(step, std::max(range->min, middle - steps * step),
+                  std::min(range->max, middle + steps * step));
+  }
+  return lattice;
+}
+
 TEST(Rounding, FindsTheBestPointOfTheWholeLattice) {
   const int wanted = sample(3, 12);
   int compared = 0, none = 0;
@@ -114,20 +133,8 @@ TEST(Rounding, FindsTheBestPointOfTheWholeLattice) {
     for (const Candidate& candidate : task.candidates) {
       const RefinedSet set = refine(task.spec, candidate);
       if (set.status != Status::kOptimal) continue;
-      Lattice lattice{.m1 = {set.train.module_m[0]},
-                      .m2 = {set.train.module_m[1]},
-                      .shift = multiples(0.2, -0.1, 0.5),
-                      .ring_shift = multiples(0.2, 0.0, 1.0)};
       constexpr int kSteps = 1;
-      for (std::size_t stage = 0; stage < 2; ++stage) {
-        const auto& range = task.spec.module[stage].range_m;
-        if (!range || !(range->min < range->max)) continue;
-        const double step = task.spec.round.module_m;
-        const double middle = std::round(set.train.module_m[stage] / step) * step;
-        (stage == 0 ? lattice.m1 : lattice.m2) =
-            multiples(step, std::max(range->min, middle - kSteps * step),
-                      std::min(range->max, middle + kSteps * step));
-      }
+      const Lattice lattice = lattice_of(task.spec, set, kSteps);
       const StopFlag stop;
       const Rounding rounding = round_design(task.spec, set, stop, {.module_steps = kSteps});
       EXPECT_TRUE(rounding.complete);
@@ -141,8 +148,7 @@ TEST(Rounding, FindsTheBestPointOfTheWholeLattice) {
         break;
       }
       if (rounding.best) {
-        const double f = -sense_of(first_objective(task.spec)) * rounding.best->objective /
-                         objective_scale(first_objective(task.spec), task.spec);
+        const double f = -sense_of(first_objective(task.spec)) * rounding.best->objective;
         EXPECT_NEAR(f, *best, 2e-7) << seed;
       }
       break;
@@ -151,6 +157,38 @@ TEST(Rounding, FindsTheBestPointOfTheWholeLattice) {
   EXPECT_EQ(compared, wanted);
   std::cout << compared << " lattices, " << none << " without a feasible point; "
             << static_cast<double>(relaxations) / compared << " relaxations each\n";
+}
+
+// Each choice of modules has a scale of its own there.
+TEST(Rounding, ComparesSizesOfDifferentModules) {
+  const int wanted = sample(4, 12);
+  constexpr int kSteps = 1;
+  int compared = 0;
+  for (std::uint64_t seed = 12; seed <= 2000 && compared < wanted; ++seed) {
+    test::RandomTask task = test::random_task(seed, 1);
+    if (task.candidates.empty()) continue;
+    Specification spec = coarse(task.spec);
+    spec.objectives = {compared % 2 == 1 ? Objective::kMass : Objective::kOuterDiameter};
+    spec.bodies.ring_rim_m = 2e-3;
+    spec.bodies.face_width_m = {5e-3, 5e-3};
+    spec.bodies.density_kgm3 = 7800.0;
+    spec.round.profile_shift = 0.25;
+    for (auto& choice : spec.module) {
+      choice = {.range_m = NumberRange{.min = 0.4e-3, .max = 0.8e-3}, .series_m = {}};
+    }
+    const RefinedSet set = refine(spec, task.candidates.front());
+    if (set.status != Status::kOptimal) continue;
+    const Lattice lattice = lattice_of(spec, set, kSteps);
+    const std::optional<double> best = best_of_all(spec, set, lattice);
+    if (!best) continue;
+    ++compared;
+    const StopFlag stop;
+    const Rounding rounding = round_design(spec, set, stop, {.module_steps = kSteps});
+    EXPECT_TRUE(rounding.complete) << seed;
+    ASSERT_TRUE(rounding.best) << seed;
+    EXPECT_NEAR(rounding.best->objective, *best, 2e-7 * *best) << seed;
+  }
+  EXPECT_EQ(compared, wanted);
 }
 
 }  // namespace
