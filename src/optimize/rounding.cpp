@@ -334,7 +334,7 @@ class LatticeSearch {
       if (cut()) break;
       SolveOutcome end = relax(problem, start);
       const bool alike = ends_alike(root.relaxed, end);
-      if (is_better(end, root.relaxed)) root.relaxed = std::move(end);
+      if (is_better(end, root.relaxed)) root.relaxed = end;
       if (alike) break;
     }
     bound(task, root);
@@ -360,7 +360,7 @@ class LatticeSearch {
     bound(task, half);
     if (can_win(half)) return;
     SolveOutcome again = relax(problem, middle_of(problem), !half.relaxed.feasible());
-    if (is_better(again, half.relaxed)) half.relaxed = std::move(again);
+    if (is_better(again, half.relaxed)) half.relaxed = again;
     bound(task, half);
   }
   static Point middle_of(const RefinementProblem& problem) {
