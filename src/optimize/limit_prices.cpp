@@ -343,7 +343,7 @@ std::vector<LimitPrice> prices_of(const RefinementProblem& problem, const std::v
 }
 
 /// The price of the load where it is stated and no variable: of all active rows that it moves.
-/// Empty where it moves none, or one of them the other way.
+/// Each place once, for root and flank.  Empty where it moves none, or one the other way.
 std::optional<LimitPrice> price_of_load(const SetProblem& own, const std::vector<Pull>& pulls,
                                         const Multipliers& multipliers) {
   const RefinementProblem& stated = own.problem;
@@ -383,10 +383,7 @@ std::optional<LimitPrice> price_of_load(const SetProblem& own, const std::vector
     if (slope > rounding) return std::nullopt;
     if (slope >= -rounding) continue;
     weight[static_cast<Eigen::Index>(k)] = -slope;
-    // The root and the flank of a gear are two rows at one place.
-    if (std::ranges::find(price.where, pulls[k].where) == price.where.end()) {
-      price.where.push_back(pulls[k].where);
-    }
+    if (std::ranges::count(price.where, pulls[k].where) == 0) price.where.push_back(pulls[k].where);
   }
   if (price.where.empty()) return std::nullopt;
   fill_price(stated, multipliers, weight, price);
