@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "calibrate/causes/free_shape.hpp"
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/model/cause.hpp"
@@ -10,8 +12,15 @@ constexpr const char* kDrag = "drag";
 
 /// That of the viscosity of an oil ISO VG 460 (460 mm²/s at 40 °C, 30.5 at 100 °C) at 10 °C by
 /// Ubbelohde and Walther (docs/theory §25): thicker oils are none of a gearbox, and friction goes
-/// with at most the first power of viscosity.
+/// with at most the first power of viscosity.  A law that bends by a parameter of its own may be a
+/// transition, of a grease or a plastic, as steep as it likes within a few kelvin: the friction
+/// that it gives the rows says whether it can be.
 constexpr double kSteepest = 0.1;
+
+double steepest_of(const Form& form) {
+  const bool bends = form.name.starts_with(kAnyCurve) || form.name.starts_with(kAnyShape);
+  return bends ? std::numeric_limits<double>::infinity() : kSteepest;
+}
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   std::vector<ParameterRecord> result;
@@ -20,8 +29,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .unit = "1/K",
                       .lower = -0.5,
                       .upper = 0.5,
-                      .plausible_low = -kSteepest,
-                      .plausible_high = kSteepest});
+                      .plausible_low = -steepest_of(form),
+                      .plausible_high = steepest_of(form)});
   }
   add_shape_parameters(form, result);
   return result;

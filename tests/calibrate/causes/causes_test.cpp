@@ -114,6 +114,19 @@ TEST(Causes, HaveParametersThatMayBeNothing) {
 }
 
 // Of readings of 25.3 and 44.122 C in a design of 20 C.
+// A transition is as steep as it likes within a few kelvin, the viscosity of an oil is not.
+TEST(Causes, OnlyALawOfTemperatureWithoutAShapeOfItsOwnIsBoundedByOils) {
+  const auto bounded = [](const char* form) {
+    return std::isfinite(candidate("friction_temperature", {.name = form}, Kind::kTransmission)
+                             .parameters[0]
+                             .plausible_high);
+  };
+  for (const char* form : {"from_design", "about_middle", "any_level"}) {
+    EXPECT_TRUE(bounded(form)) << form;
+  }
+  for (const char* form : {"any_curve", "any_shape"}) EXPECT_FALSE(bounded(form)) << form;
+}
+
 TEST(Causes, ReferenceTemperaturesHaveTheDigitsOfTheData) {
   const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kTransmission);
   MeasurementSet data = campaign(Kind::kTransmission);
