@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -37,24 +38,43 @@ double rounded_to(double value, double per_step, double sense) {
   return sense * std::ceil(sense * value * per_step - kOfComputing) / per_step;
 }
 
+/// Nominal value, lower and upper limit as a page shows them.
+struct ShownSizes {
+  std::string nominal;
+  std::array<std::string, 2> limits;
+};
+
 /// Limits of few decimals that lie within the limits, so that nothing is accepted that is beyond
-/// them; of more where those would leave nothing between them.
-std::array<std::string, 2> shown_limits(const Characteristic& row) {
-  if (row.group == "gear" || row.unit.empty())
-    return {shown(row, row.lower), shown(row, row.upper)};
-  constexpr int kMostDecimals = 6;
+/// them; of more decimals, as the nominal value, where those would leave nothing between them.
+ShownSizes shown_sizes(const Characteristic& row) {
+  if (row.group == "gear" || row.unit.empty() || (!row.lower && !row.upper)) {
+    return {shown(row, row.nominal), {shown(row, row.lower), shown(row, row.upper)}};
+  }
+  constexpr int kMostDecimals = 7;
+  const bool is_range = row.lower && row.upper && *row.lower < *row.upper;
   for (int decimals = decimals_of(row);; ++decimals) {
     const double per_step = std::pow(10.0, decimals);
-    std::array<std::string, 2> texts;
+    const auto text = [&](double value) { return fmt::format("{:.{}f}", value + 0.0, decimals); };
+    ShownSizes sizes;
     std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
                                  std::numeric_limits<double>::infinity()};
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
       const std::optional<double>& exact = side == 0 ? row.lower : row.upper;
       if (!exact) continue;
-      limits[side] = rounded_to(*exact, per_step, side == 0 ? 1.0 : -1.0);
-      texts[side] = fmt::format("{:.{}f}", limits[side], decimals);
+      limits[side] = rounded_to(*exact, per_step, side == 0 ? 1.0 : -1.0) + 0.0;
+      sizes.limits[side] = text(limits[side]);
     }
-    if (limits[0] <= limits[1] || decimals == kMostDecimals) return texts;
+    const bool done =
+        decimals == kMostDecimals || limits[0] < limits[1] || (!is_range && limits[0] == limits[1]);
+    if (!done) continue;
+    if (!row.nominal) return sizes;
+    const bool within = *row.nominal >= row.lower.value_or(*row.nominal) &&
+                        *row.nominal <= row.upper.value_or(*row.nominal);
+    double nominal = std::round(*row.nominal * per_step) / per_step;
+    // What is good is not shown beyond its limits.
+    if (within && limits[0] <= limits[1]) nominal = std::clamp(nominal, limits[0], limits[1]);
+    sizes.nominal = text(nominal);
+    return sizes;
   }
 }
 
@@ -107,12 +127,12 @@ std::string sheet_html(const InspectionSheet& sheet) {
       group = row.group;
       text += fmt::format("<tr><th class=\"text\" colspan=\"8\">{}</th></tr>\n", xml_text(group));
     }
-    const auto [lower, upper] = shown_limits(row);
+    const ShownSizes sizes = shown_sizes(row);
     text += fmt::format(
         R"(<tr><td class="text">{}</td><td class="text">{}</td><td class="text">{}</td><td>{}</td><td>{}</td><td>{}</td><td></td><td class="text">{}</td></tr>)"
         "\n",
-        xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), shown(row, row.nominal),
-        lower, upper, xml_text(row.note));
+        xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), sizes.nominal,
+        sizes.limits[0], sizes.limits[1], xml_text(row.note));
   }
   text += "</table>\n";
   for (const std::string& note : sheet.notes) text += fmt::format("<p>{}</p>\n", xml_text(note));

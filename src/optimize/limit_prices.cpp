@@ -468,7 +468,7 @@ const LimitPrice* dearest(const HeldBack& held) {
   };
   const LimitPrice* most = nullptr;
   for (const LimitPrice& price : held.prices) {
-    if (!price.stated || price.loosened == 0.0) continue;
+    if (!price.stated || price.loosened == 0.0 || is_below_no_backlash(price)) continue;
     if (price.limit.kind == LimitKind::kTorque) continue;
     if (price.refined_gain_si && *price.refined_gain_si == 0.0) continue;
     if (most == nullptr || gain(price) > gain(*most)) most = &price;

@@ -74,6 +74,12 @@ struct LimitPrice {
 /// A step by which a limit is likely to give way, in the unit of its key, with its sign.
 double giving_step(const LimitPrice& price);
 
+/// Whether a least backlash would give way to flanks that press on each other.
+inline bool is_below_no_backlash(const LimitPrice& price) {
+  return price.limit.at_least && price.unit == units::Unit::kMicrometre &&
+         units::decimal_from_si(price.value_si, price.unit) + giving_step(price) < 0.0;
+}
+
 /// What a search with a bound given way found: see search_beyond().
 struct WiderSearch {
   double value = 0.0;                  ///< of the key
@@ -105,7 +111,7 @@ struct HeldBack {
 };
 
 /// The limit of a file that gains most where it gives way by its step, refined anew where that is
-/// known and else to first order; null: none gains.
+/// known and else to first order, and not below no backlash; null: none gains.
 /// The load is none: it is what the gearbox is for.
 const LimitPrice* dearest(const HeldBack& held);
 

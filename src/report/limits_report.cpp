@@ -80,6 +80,7 @@ bool applies(const design::CheckRecord& r, const LimitsSubject& subject) {
   switch (r.scope) {
     case design::CheckScope::kThermalMesh:
     case design::CheckScope::kThermalMember:
+    case design::CheckScope::kThermalTrain:
       return subject.thermal;
     case design::CheckScope::kCutRing:
       return subject.ring_cutter;

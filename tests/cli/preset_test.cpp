@@ -105,10 +105,11 @@ TEST(Preset, ItsLineNamesTheChecksThatApplyAndAreOff) {
     }
     return out;
   };
-  EXPECT_NE(told_of(best + thermal).find("thermal_root_clearance; off: undercut;"),
-            std::string::npos);
+  EXPECT_NE(
+      told_of(best + thermal).find("thermal_root_clearance; off: undercut, thermal_lost_motion;"),
+      std::string::npos);
   EXPECT_NE(told_of(best + "thermal_backlash = false\n" + thermal)
-                .find("; off: undercut, thermal_backlash;"),
+                .find("; off: undercut, thermal_backlash, thermal_lost_motion;"),
             std::string::npos);
 }
 

@@ -311,9 +311,12 @@ TEST(InspectionSheet, ThePagesLimitsLieWithinThoseOfTheFile) {
         const double within = sense * (std::stod(rows[k].at(cell)) - *limit);
         EXPECT_GE(within, -computing) << exact.name;
         EXPECT_LT(within, step) << exact.name;
+        EXPECT_EQ(rows[k].at(cell).rfind("-0.", 0) == 0 && std::stod(rows[k].at(cell)) == 0.0,
+                  false)
+            << exact.name;
       }
-      if (exact.lower && exact.upper) {
-        EXPECT_LE(std::stod(rows[k][4]), std::stod(rows[k][5])) << exact.name;
+      if (exact.lower && exact.upper && *exact.lower < *exact.upper) {
+        EXPECT_LT(std::stod(rows[k][4]), std::stod(rows[k][5])) << exact.name;
       }
     }
   }
@@ -330,8 +333,37 @@ TEST(InspectionSheet, ThePageHasMoreDigitsWhereALimitOfFewLeavesNothing) {
                         .lower = 5.57221,
                         .upper = 5.57279,
                         .note = {}});
+  sheet.rows.push_back({.group = "tooth thickness",
+                        .name = "one step",
+                        .symbol = "M",
+                        .unit = "mm",
+                        .nominal = 9.811,
+                        .lower = 9.8106,
+                        .upper = 9.8113,
+                        .note = {}});
+  sheet.rows.push_back({.group = "planet",
+                        .name = "small",
+                        .symbol = "phi",
+                        .unit = "deg",
+                        .nominal = 0.0,
+                        .lower = -0.0000667,
+                        .upper = 0.0000667,
+                        .note = {}});
+  sheet.rows.push_back({.group = "tip",
+                        .name = "tip",
+                        .symbol = "d_a",
+                        .unit = "mm",
+                        .nominal = 11.0395626,
+                        .lower = {},
+                        .upper = 11.0395626,
+                        .note = {}});
   const std::string page = drawing::sheet_html(sheet);
-  EXPECT_NE(page.find("<td>5.5723</td><td>5.5727</td>"), std::string::npos) << page;
+  for (const char* cells :
+       {"<td>11.039</td><td></td><td>11.039</td>", "<td>5.5725</td><td>5.5723</td><td>5.5727</td>",
+        "<td>9.8110</td><td>9.8106</td><td>9.8113</td>",
+        "<td>0.00000</td><td>-0.00006</td><td>0.00006</td>"}) {
+    EXPECT_NE(page.find(cells), std::string::npos) << cells << page;
+  }
 }
 
 double whole_distance(double value) { return std::abs(value - std::round(value)); }

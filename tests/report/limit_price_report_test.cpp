@@ -60,6 +60,20 @@ TEST(LimitPriceReport, HasNoBetterEstimateWhereNothingGains) {
   EXPECT_NE(table.find("+0 % points"), std::string::npos) << table;  // the gain, in its row
 }
 
+TEST(LimitPriceReport, AdvisesNoBacklashBelowNone) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kLostMotion};
+  HeldBackReport report = held_back(0.9, 0.01);
+  optimize::LimitPrice& price = report.best.held.prices.front();
+  price.key = "backlash.min_normal_um";
+  price.limit.kind = optimize::LimitKind::kCheck;
+  price.unit = units::Unit::kMicrometre;
+  for (const double least_um : {5.0, 1.0, 0.5, 0.0}) {
+    price.value_si = 1e-6 * least_um;
+    EXPECT_EQ(better_estimate(spec, report).is_null(), least_um < 1.0) << least_um;
+  }
+}
+
 TEST(LimitPriceReport, TellsWideTablesInLines) {
   optimize::Specification spec;
   spec.objectives = {optimize::Objective::kBackwardEfficiency};
