@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <string_view>
 
-#include "io/files/cycle_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
@@ -18,6 +17,7 @@ namespace gear3k::cli {
 namespace {
 
 constexpr const char* kColumn = "design_file";
+constexpr std::size_t kMostBytes = std::size_t{1} << 24U;  // of a pareto.csv, far beyond any front
 
 /// Whether a name is one of front_file_name(), and so of a file within the folder.
 bool is_front_file(std::string_view name) {
@@ -47,8 +47,7 @@ std::vector<std::string> earlier_front_files(const std::string& folder) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return names;
   try {
-    const io::CsvTable front =
-        io::parse_csv(io::read_text(path, "a CSV file", io::kMostCycleBytes), path);
+    const io::CsvTable front = io::parse_csv(io::read_text(path, "a CSV file", kMostBytes), path);
     if (std::ranges::find(front.header, kColumn) == front.header.end()) return names;
     for (const io::CsvTable::Row& row : front.rows) {
       std::string name = front.text(row, kColumn).value_or("");

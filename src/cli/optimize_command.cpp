@@ -258,11 +258,8 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, const Opti
     files.push_back(
         {.path = kActuatorName, .text = io::actuator_text(o.co_design->actuator, "best.toml")});
   }
-  const std::vector<std::string> earlier = earlier_front_files(folder.path_of(""));
   for (io::FileText& file : front_files(o.front_designs)) {
-    if (!replaces && std::ranges::find(earlier, file.path) == earlier.end()) {
-      folder.set_aside(file.path);
-    }
+    if (!replaces) folder.set_foreign_aside(file.path);
     files.push_back(std::move(file));
   }
   folder.write(std::move(files), run.figures);

@@ -129,6 +129,10 @@ void ResultFolder::set_aside(const std::string& name) const {
   if (!task_.quiet) say(fmt::format("{}: is not of this run, renamed to {}\n", path, aside));
 }
 
+void ResultFolder::set_foreign_aside(const std::string& name) const {
+  if (std::ranges::find(task_.earlier, name) == task_.earlier.end()) set_aside(name);
+}
+
 void ResultFolder::set_all_aside() const {
   for (const auto* names : {&task_.files, &task_.earlier}) {
     for (const std::string& name : *names) set_aside(name);

@@ -56,6 +56,8 @@ class ResultFolder {
   /// the first that is not there.
   /// @throws io::InvalidInput when it cannot be renamed
   void set_aside(const std::string& name) const;
+  /// The same unless the earlier run left it, whose files are replaced.
+  void set_foreign_aside(const std::string& name) const;
   /// The same of all files of the task, and of the earlier run that it names.
   void set_all_aside() const;
 

@@ -41,16 +41,22 @@ struct MeshContact {
   bool gear1_drives = true;
 };
 
-/// The numbers of a mesh without their derivatives.
-template <class T>
-MeshContact<double> values_of(const MeshContact<T>& c) {
+/// The same mesh with its numbers in another scalar.
+/// @param to  To(const From&)
+template <class To, class From, class Convert>
+MeshContact<To> contact_in(const MeshContact<From>& c, const Convert& to) {
   return {.z1 = c.z1,
           .z2 = c.z2,
           .sign = c.sign,
-          .approach_contact_ratio = value_of(c.approach_contact_ratio),
-          .recess_contact_ratio = value_of(c.recess_contact_ratio),
-          .tan_alpha_w = value_of(c.tan_alpha_w),
+          .approach_contact_ratio = to(c.approach_contact_ratio),
+          .recess_contact_ratio = to(c.recess_contact_ratio),
+          .tan_alpha_w = to(c.tan_alpha_w),
           .gear1_drives = c.gear1_drives};
+}
+/// The numbers of a mesh without their derivatives.
+template <class T>
+MeshContact<double> values_of(const MeshContact<T>& c) {
+  return contact_in<double>(c, [](const T& x) { return value_of(x); });
 }
 /// Whether they have none: the gears are as drawn.
 bool is_drawn(const MeshContact<Jet1>& c);

@@ -24,7 +24,8 @@ bool is_of_teeth(Objective objective) { return objective == Objective::kRatioErr
 /// Of a design what its refinements have to keep.
 class HeldValues {
  public:
-  HeldValues(const Specification& spec, const RefinedSet& set) : spec_(spec), best_(set) {}
+  HeldValues(const Specification& spec, const RefinedSet& set)
+      : spec_(spec), best_(set), first_(value_of(set, first_objective(spec))) {}
 
   /// Betters one objective; the first one, where it is held, to kHeldWithin of its value at the
   /// outset.
@@ -46,7 +47,6 @@ class HeldValues {
     return true;
   }
 
-  void hold_first() { first_ = value_of(best_, first_objective(spec_)); }
   [[nodiscard]] const RefinedSet& best() const { return best_; }
 
  private:
@@ -78,7 +78,7 @@ class HeldValues {
 
   const Specification& spec_;
   RefinedSet best_;
-  double first_ = 0.0;
+  double first_;  ///< the first objective at the outset
 };
 
 }  // namespace
@@ -116,7 +116,6 @@ std::optional<RefinedSet> bettered(const Specification& spec, const RefinedSet& 
                                    const StopFlag& stop) {
   const Objective first = first_objective(spec);
   HeldValues held(spec, set);
-  held.hold_first();
   for (const Objective objective : spec.objectives) {
     if (objective == first || is_of_teeth(objective)) continue;
     if (!held.better(objective, stop)) return std::nullopt;

@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
+#include "tests/optimize/least_lost_motion.hpp"
 
 namespace gear3k::front_files_test {
 namespace {
@@ -22,37 +24,21 @@ using Names = std::set<std::string>;
 
 /// Two tooth sets with a design.
 std::string task(int points, const std::string& objective) {
-  return "preset = \"machined\"\nobjective = " + objective +
-         "\n[pareto]\npoints = " + std::to_string(points) + R"(
-[ratio]
-target = 96.0
-tolerance = 0.03
-[teeth]
-S = [18, 18]
-P1 = [47, 48]
-P2 = [42, 43]
-R1_max = 130
-R2_max = 130
-min_internal_difference = 9
-[module]
-stage1_mm = { series = [0.5, 0.6] }
-stage2_mm = { series = [0.5, 0.6] }
-[profile_shift]
-range = [-0.3, 1.0]
-[size]
-ring_rim_mm = 2.5
-max_outer_diameter_mm = 76.0
-[backlash]
-max_output_arcmin = 12.0
-min_normal_um = 8.0
-machining_allowance = 0.01
-[stage1]
-face_width_mm = 10
-[stage2]
-face_width_mm = 10
-[inertia]
-density_kg_m3 = 7800
-)";
+  std::string text = optimize::test::kLeastLostMotion;
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"[\"lost_motion\", \"backward_efficiency\"]", objective},
+           {"points = 4", "points = " + std::to_string(points)},
+           {"S = [18, 19]", "S = [18, 18]"},
+           {"P1 = [40, 48]", "P1 = [47, 48]"},
+           {"P2 = [42, 44]", "P2 = [42, 43]"},
+           {"stage1_mm = { series = [0.5, 0.6, 0.7, 0.8] }", "stage1_mm = { series = [0.5, 0.6] }"},
+           {"stage2_mm = { series = [0.5, 0.6, 0.7, 0.8] }",
+            "stage2_mm = { series = [0.5, 0.6] }"}}) {
+    text = test::replaced(text, from, to);
+  }
+  return text +
+         "[stage1]\nface_width_mm = 10\n[stage2]\nface_width_mm = 10\n[inertia]\n"
+         "density_kg_m3 = 7800\n";
 }
 const std::string kTwo = "[\"lost_motion\", \"backward_efficiency\"]";
 

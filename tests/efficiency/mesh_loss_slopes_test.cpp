@@ -45,13 +45,7 @@ TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
                                    .approach_factor = alike ? 1.0 : random.between(0.5, 2.0),
                                    .recess_factor = alike ? 1.0 : random.between(0.5, 2.0)};
     // Of the scalar that knows nothing of drawn gears.
-    const MeshContact<Jet2> contact{.z1 = c.z1,
-                                    .z2 = c.z2,
-                                    .sign = c.sign,
-                                    .approach_contact_ratio = Jet2(c.approach_contact_ratio),
-                                    .recess_contact_ratio = Jet2(c.recess_contact_ratio),
-                                    .tan_alpha_w = Jet2(c.tan_alpha_w),
-                                    .gear1_drives = c.gear1_drives};
+    const auto contact = contact_in<Jet2>(c, [](double x) { return Jet2(x); });
     const Jet2 exact =
         mesh_efficiency<Jet2>(contact,
                               {.coefficient = Jet2::variable(mu.coefficient, 0),

@@ -1,14 +1,15 @@
 #pragma once
 // A task of 27 tooth sets for least lost motion and efficiency.
 
+#include <string>
+
 #include "io/files/specification_file.hpp"
 
 namespace gear3k::optimize::test {
 
 /// Lost motion hardly changes with what the efficiency asks for: designs of least lost motion may
 /// be far from the best efficiency that it leaves.
-inline Specification of_least_lost_motion() {
-  return io::parse_specification(R"(preset = "machined"
+inline const std::string kLeastLostMotion = R"(preset = "machined"
 objective = ["lost_motion", "backward_efficiency"]
 [pareto]
 points = 4
@@ -34,8 +35,10 @@ max_outer_diameter_mm = 76.0
 max_output_arcmin = 12.0
 min_normal_um = 8.0
 machining_allowance = 0.01
-)",
-                                 "task.toml");
+)";
+
+inline Specification of_least_lost_motion() {
+  return io::parse_specification(kLeastLostMotion, "task.toml");
 }
 
 }  // namespace gear3k::optimize::test

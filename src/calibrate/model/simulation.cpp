@@ -382,14 +382,8 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
   const auto mesh = geometry::make_mesh_geometry(
       driver, driven, driver.reference_radius_m + driven.reference_radius_m);
   const auto contact = efficiency::contact_of(driver, driven, *mesh, true);
-  const efficiency::MeshContact<Scalar> scalar_contact{
-      .z1 = contact.z1,
-      .z2 = contact.z2,
-      .sign = contact.sign,
-      .approach_contact_ratio = number(contact.approach_contact_ratio),
-      .recess_contact_ratio = number(contact.recess_contact_ratio),
-      .tan_alpha_w = number(contact.tan_alpha_w),
-      .gear1_drives = contact.gear1_drives};
+  const auto scalar_contact =
+      efficiency::contact_in<Scalar>(contact, [](double x) { return number(x); });
   const efficiency::FlankFriction<Scalar> flanks = flanks_of(stated_friction(), m);
   const Scalar mu = flanks.coefficient;
   const efficiency::LossModel model = stated_friction().model;
