@@ -31,10 +31,8 @@ double least_loss_factor(const Interval& e1, const Interval& e2, const Interval&
 /// Greatest value of B in the same intervals.
 ///
 ///   1 ≤ ε ≤ 2            ½ + h(e1) + h(e2), convex: greatest at the ends of e1 and e2
-///   2 < ε, sliding       n ≥ 2 pairs a base pitch apart: (2/n) Σ |k − e|, k = 0 … n − 1, is convex
-///   in
-///                        the place of the outermost, and greatest where that is at an end of the
-///                        path
+///   2 < ε, sliding       n ≥ 2 pairs a base pitch apart: (2/n) Σ |k − e|, k = 0 … n − 1
+///   (convex in the place of the outermost: greatest where that is at an end of the path)
 ///   ε < 1, sliding       the mean of |s| is at most that of both ends: |e1| + |e2|
 /// No e need be positive.  Ohlendorf's B is the first form for every ε.
 /// Source: own derivation, docs/theory §75.

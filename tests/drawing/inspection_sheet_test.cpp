@@ -311,9 +311,8 @@ TEST(InspectionSheet, ThePagesLimitsLieWithinThoseOfTheFile) {
         const double within = sense * (std::stod(rows[k].at(cell)) - *limit);
         EXPECT_GE(within, -computing) << exact.name;
         EXPECT_LT(within, step) << exact.name;
-        EXPECT_EQ(rows[k].at(cell).rfind("-0.", 0) == 0 && std::stod(rows[k].at(cell)) == 0.0,
-                  false)
-            << exact.name;
+        const std::string& shown = rows[k].at(static_cast<std::size_t>(cell));
+        EXPECT_FALSE(shown.starts_with('-') && std::stod(shown) == 0.0) << exact.name;
       }
       if (exact.lower && exact.upper && *exact.lower < *exact.upper) {
         EXPECT_LT(std::stod(rows[k][4]), std::stod(rows[k][5])) << exact.name;
